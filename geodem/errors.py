@@ -1,0 +1,63 @@
+"""The errors that geodem raises on purpose; a user sees them as text, never as a traceback."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+class InputError(ValueError):
+    """Input that cannot be used.
+
+    The message always has the same four parts: where (key, file or place), what stands there, what is wrong,
+    and what to do about it.
+
+    Parameters
+    ----------
+    place : str
+        Dotted key of the case file (``material.soil.cohesion``), file name or place in the model.
+    problem : str
+        What is wrong, in one clause.
+    remedy : str
+        What the user can do, with an example where that helps.
+    value : object, optional
+        What was found there.
+    picture : pathlib.Path, optional
+        A picture that shows where.
+    """
+
+    def __init__(
+        self, place: str, problem: str, remedy: str, *, value: object = None, picture: Path | None = None
+    ) -> None:
+        self.place = place
+        self.problem = problem
+        self.remedy = remedy
+        self.value = value
+        self.picture = picture
+        super().__init__(str(self))
+
+    def __str__(self) -> str:
+        found = "" if self.value is None else f" = {self.value!r}"
+        shown = "" if self.picture is None else f" See {self.picture}."
+        return f"{self.place}{found}: {self.problem}. {self.remedy}{shown}"
+
+
+class InputErrors(InputError):
+    """Several input errors found in one pass, so that all can be mended at once.
+
+    Parameters
+    ----------
+    errors : list of InputError
+        In the order of the case file; at least one.
+    """
+
+    def __init__(self, errors: list[InputError]) -> None:
+        self.errors = errors
+        first = errors[0]
+        super().__init__(first.place, first.problem, first.remedy, value=first.value, picture=first.picture)
+
+    def __str__(self) -> str:
+        return "\n".join(str(error) for error in self.errors)
+
+
+class StoppedError(RuntimeError):
+    """A run that stopped before its end and can be resumed from its checkpoint (exit status 3)."""
