@@ -1,0 +1,1 @@
+"""What is read off a state: the failed mass, its slip surface, energy and unbalanced force."""
