@@ -1,0 +1,153 @@
+"""Kernels compiled for one scene: a law and a loop are written into one module with the scene's features as constants.
+
+numba finds a compiled function in its disk cache only when that function lies in a file, and it looks at that
+one file alone to decide whether the cached machine code is still right. So geodem writes, for every
+combination of law and features, a file that holds all the text the kernel is made of. Its name is the hash of
+that text: an edited law is another file, and old physics can never be run from the cache. Constants are module
+globals, which numba folds, so that what a scene lacks is not in its machine code.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import importlib.util
+import inspect
+import os
+import sys
+import tempfile
+import textwrap
+import time
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+# How long an OpenMP thread spins before it sleeps. libgomp's default is milliseconds, which on a machine with
+# other work starves the very thread that is waited for; without any spinning each of the two parallel regions
+# of a step pays a wake-up. Read by libgomp when it is loaded, so it is set before numba starts a region.
+os.environ.setdefault("GOMP_SPINCOUNT", "20000")
+
+# Re-association is fixed at compile time, so bits stay the same on any number of threads. "nnan" and "ninf" are
+# left out: they would let the compiler drop comparisons that meet infinite strengths.
+_OPTIONS = (
+    "cache=True, error_model='numpy', fastmath={'afn', 'arcp', 'contract', 'nsz', 'reassoc'}"
+)
+
+_compile_seconds = 0.0
+
+
+def cache_folder() -> Path:
+    """Folder of the generated kernels: ``$GEODEM_CACHE``, else the user's cache folder, else a temporary one."""
+    named = os.environ.get("GEODEM_CACHE")
+    home = os.environ.get("XDG_CACHE_HOME")
+    candidates = [Path(named)] if named else [Path(home) if home else Path.home() / ".cache"]
+    candidates.append(Path(tempfile.gettempdir()) / f"geodem-cache-{os.getuid() if hasattr(os, 'getuid') else 0}")
+    for candidate in candidates:
+        folder = candidate if named and candidate == candidates[0] else candidate / "geodem" / "kernels"
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=folder):
+                return folder
+        except OSError:
+            continue
+    return Path(tempfile.mkdtemp(prefix="geodem-kernels-"))
+
+
+def set_threads(threads: int | None) -> int:
+    """Choose the number of threads of all kernels; None keeps what is set. Returns the number in force."""
+    import numba
+
+    if threads is not None:
+        numba.set_num_threads(min(threads, numba.config.NUMBA_NUM_THREADS))
+    return int(numba.get_num_threads())
+
+
+def compile_seconds() -> float:
+    """Seconds that this process has spent compiling kernels or loading them from the cache."""
+    return _compile_seconds
+
+
+def add_compile_seconds(seconds: float) -> None:
+    """Count time spent in a kernel's first call."""
+    global _compile_seconds
+    _compile_seconds += seconds
+
+
+def kernel_text(functions: Sequence[Callable[..., Any]], constants: Mapping[str, object], parallel: bool) -> str:
+    """Source of a kernel module: constants first, then each function's own text, in the order given."""
+    lines = ['"""Written by geodem._jit; edits are lost."""', "import math", "import numpy as np"]
+    lines += ["from numba import njit, prange", ""]
+    lines += [f"{name} = {value!r}" for name, value in constants.items()]
+    for function in functions:
+        source = textwrap.dedent(inspect.getsource(function)).rstrip()
+        # only loops that ask for it are made parallel: numba warns about any other function
+        threads = parallel and "prange(" in source
+        lines += ["", "", f"@njit(parallel={threads}, {_OPTIONS})", source]
+    return "\n".join(lines) + "\n"
+
+
+def compile_kernel(
+    functions: Sequence[Callable[..., Any]],
+    constants: Mapping[str, object],
+    *,
+    parallel: bool,
+) -> ModuleType:
+    """Write and import the module that holds `functions` compiled with `constants`.
+
+    Parameters
+    ----------
+    functions : sequence of functions
+        Plain Python functions, callees before callers. They may use ``math``, ``np``, ``prange``, each other and
+        the constants by name, and nothing else.
+    constants : mapping
+        Module globals: features of the scene, folded by the compiler.
+    parallel : bool
+        Compile with numba's parallel backend (``prange`` is a plain range otherwise).
+
+    Returns
+    -------
+    module
+        With the compiled functions as attributes.
+    """
+    import numba
+
+    start = time.perf_counter()
+    if numba.config.THREADING_LAYER == "default":
+        numba.config.THREADING_LAYER = "omp" if _has_openmp() else "workqueue"
+    text = kernel_text(functions, constants, parallel)
+    digest = hashlib.sha256(f"{numba.__version__}{text}".encode()).hexdigest()[:24]
+    name = f"geodem_kernel_{digest}"
+    module = sys.modules.get(name)
+    if module is None:
+        path = cache_folder() / f"{name}.py"
+        if not path.exists() or path.read_text() != text:
+            _write_atomically(path, text)
+        spec = importlib.util.spec_from_file_location(name, path)
+        assert spec is not None
+        assert spec.loader is not None
+        module = importlib.util.module_from_spec(spec)
+        sys.modules[name] = module
+        spec.loader.exec_module(module)
+    add_compile_seconds(time.perf_counter() - start)
+    return module
+
+
+def _has_openmp() -> bool:
+    try:
+        from numba.np.ufunc import omppool  # noqa: F401
+    except ImportError:
+        return False
+    return True
+
+
+def _write_atomically(path: Path, text: str) -> None:
+    handle, name = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
+    try:
+        with os.fdopen(handle, "w") as stream:
+            stream.write(text)
+        os.replace(name, path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            os.unlink(name)
+        raise

@@ -1,0 +1,1 @@
+"""Ways to equilibrium: the direct sparse solve of the elastic state, and the masses of adaptive relaxation."""

@@ -1,0 +1,1 @@
+"""Constitutive laws of ground that yields (stress-carrying particles)."""

@@ -1,0 +1,217 @@
+"""Simulation: a model, its state, and the only object whose behaviour unfolds over time."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from types import ModuleType
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._jit import add_compile_seconds, compile_kernel
+from .integrators.direct_solve import solve_elastic, stiffness
+from .integrators.relaxation import scaled_mass
+from .kernels import stress_particles
+from .laws import GROUND_LAWS
+from .measure.energy import EnergyAccount, elastic_energy
+from .model import Model
+from .state import State
+
+Floats = NDArray[np.float64]
+
+CHUNK = 128
+SERIAL_LIMIT = 400
+"""Below this many particles the serial kernel wins: a parallel region costs more than its work."""
+
+DAMPING_RATIO = 0.5
+"""Share of critical damping of the lowest frequency in motion; 0.3 to 0.7 need about the same number of steps."""
+
+
+class Measures(NamedTuple):
+    """What a stretch of steps ended with."""
+
+    unbalanced_ratio: float  # root of the sum of squares of unbalanced forces over that of the weights [-]
+    mean_displacement: float  # area-weighted mean size of displacement [m]
+
+
+class UnstableError(RuntimeError):
+    """The state became non-finite: a defect of ours, or numbers beyond what float64 can carry."""
+
+
+@dataclass
+class ElasticState:
+    """The elastic state under gravity: where every trial begins."""
+
+    displacement: Floats  # (n, 2) [m], from the unloaded state
+    stress: Floats  # (s, 3) [Pa]
+    mean_displacement: float  # [m]
+
+
+class Simulation:
+    """Stress-carrying particles that move to equilibrium, or do not.
+
+    All results are quasi-static: inertia is scaled, so velocities and times have no physical meaning.
+
+    Parameters
+    ----------
+    model : Model
+    plastic : bool
+        Compile the yield condition in.
+    energy : bool
+        Keep the energy account (plastic work, work of damping).
+    damping_ratio : float
+        Damping over critical of the lowest frequency in motion [-].
+    elastic : ElasticState, optional
+        The elastic state, where a checkpoint holds it; solved if left out.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        *,
+        plastic: bool = True,
+        energy: bool = True,
+        damping_ratio: float = DAMPING_RATIO,
+        elastic: ElasticState | None = None,
+    ) -> None:
+        self.model = model
+        self.law = GROUND_LAWS[model.law]
+        self.plastic = plastic
+        self.damping_ratio = damping_ratio
+        self.table = model.parameter_table()
+        matrix = stiffness(model)
+        self.mass = scaled_mass(matrix, model.held)
+        self.inverse_mass = np.where(model.held, 0.0, 1.0 / self.mass)
+        self.gravity_factor = 1.0
+        self.external = model.weight + model.load
+        weight = np.sqrt((model.weight[~model.held] ** 2).sum())
+        load = np.sqrt((model.load[~model.held] ** 2).sum())
+        self.force_scale = float(max(weight, load)) or 1.0
+        self.elastic = self.solve(self.external, matrix) if elastic is None else elastic
+        self.matrix = matrix
+        chunks = (model.particles + CHUNK - 1) // CHUNK
+        self._sums = np.zeros((chunks, 4))
+        self._area = float(model.particle_area.sum())
+        self._kernel = self._compile(energy)
+        self.state = State.at_rest(model)
+        self.begin()
+
+    def _compile(self, energy: bool) -> ModuleType:
+        functions = [
+            self.law.update_stress,
+            stress_particles.deform,
+            stress_particles.move,
+            stress_particles.relax,
+        ]
+        constants = {
+            **self.law.features(self.model.parameters, plastic=self.plastic),
+            "ONE_MATERIAL": len(self.model.parameters) == 1,
+            "ENERGY": energy,
+            "CHUNK": CHUNK,
+        }
+        return compile_kernel(functions, constants, parallel=self.model.particles > SERIAL_LIMIT)
+
+    def solve(self, external: Floats, matrix: object = None) -> ElasticState:
+        """The elastic state under forces (n, 2) [N/m], by a direct sparse solve or conjugate gradients."""
+        displacement, stress = solve_elastic(self.model, external, matrix=matrix)  # type: ignore[arg-type]
+        return ElasticState(displacement, stress, self.mean_size(displacement))
+
+    def begin(
+        self,
+        stress: Floats | None = None,
+        *,
+        displacement: Floats | None = None,
+        plastic_shear_strain: Floats | None = None,
+    ) -> None:
+        """Start again at rest, with a new energy account.
+
+        Parameters
+        ----------
+        stress : (s, 3) [Pa], optional
+            The elastic state's if left out.
+        displacement : (n, 2) [m], optional
+        plastic_shear_strain : (s,) [-], optional
+            Zero if left out; given, they are continued.
+        """
+        state = State.at_rest(self.model)
+        state.stress[:, :3] = self.elastic.stress if stress is None else stress
+        if displacement is not None:
+            state.displacement[:] = displacement
+        if plastic_shear_strain is not None:
+            state.stress[:, 3] = plastic_shear_strain
+        state.start_work = float((self.external * state.displacement).sum())
+        state.start_elastic = elastic_energy(self.model, self.law, state.stress)
+        self.state = state
+
+    def set_gravity(self, factor: float) -> None:
+        """Multiply gravity (and its pseudo-static part) by `factor`; loads stay."""
+        self.gravity_factor = factor
+        self.external = self.model.weight * factor + self.model.load
+
+    def set_strength(self, factor: float) -> None:
+        """Divide the strength of every material by `factor`."""
+        reduced = [tuple(self.law.reduced(p, factor)) for p in self.model.parameters]
+        self.table = np.array(reduced, dtype=np.float64)
+
+    def run(self, steps: int) -> Measures:
+        """Advance `steps` relaxation steps.
+
+        Raises
+        ------
+        UnstableError
+            A force or displacement is no longer finite.
+        """
+        model, state = self.model, self.state
+        start = time.perf_counter()
+        known = len(self._kernel.relax.signatures)
+        state.damping, unbalanced, damped = self._kernel.relax(
+            steps, self.damping_ratio, state.damping, self.external, self.inverse_mass,
+            *model.point_gradient, model.point_area, model.point_material, self.table,
+            *model.particle_gradient,
+            state.velocity, state.displacement, state.force, state.stress, state.dissipation, self._sums,
+        )  # fmt: skip
+        if len(self._kernel.relax.signatures) > known:
+            add_compile_seconds(time.perf_counter() - start)
+        state.steps += steps
+        state.damping_work += damped
+        displacement = self.mean_size(state.displacement)
+        if not (np.isfinite(unbalanced) and np.isfinite(displacement)):
+            worst = int(np.argmax(~np.isfinite(state.force).all(axis=1)))
+            raise UnstableError(
+                f"step {state.steps}: the force on particle {worst} at {self.model.positions[worst]} m is not finite"
+            )
+        return Measures(float(unbalanced) / self.force_scale, displacement)
+
+    def relax(self, tolerance: float = 1e-6, max_steps: int = 100_000, batch: int = 50) -> Measures:
+        """Run until the unbalanced force ratio is below `tolerance`, or `max_steps` are done."""
+        measures = self.run(batch)
+        while measures.unbalanced_ratio > tolerance and self.state.steps < max_steps:
+            measures = self.run(batch)
+        return measures
+
+    def mean_size(self, displacement: Floats) -> float:
+        """Area-weighted mean of |displacement| (n, 2) [m]."""
+        size = np.sqrt((displacement**2).sum(axis=1))
+        return float((size * self.model.particle_area).sum() / self.model.particle_area.sum())
+
+    def particle_stress(self) -> Floats:
+        """Stress and plastic shear strain of every particle (n, 4): the area-weighted mean of its stress points."""
+        model = self.model
+        total = [
+            np.bincount(model.point_particle, self.state.stress[:, k] * model.point_area, minlength=model.particles)
+            for k in range(4)
+        ]
+        return np.stack(total, axis=1) / model.particle_area[:, None]
+
+    def energy(self) -> EnergyAccount:
+        """Where the work of gravity and loads went since `begin` (constant external forces in between)."""
+        state, model = self.state, self.model
+        return EnergyAccount(
+            external_work=float((self.external * state.displacement).sum()) - state.start_work,
+            elastic=elastic_energy(model, self.law, state.stress) - state.start_elastic,
+            plastic=float((state.dissipation * model.point_area).sum()),
+            damping=state.damping_work,
+            kinetic=float(0.5 * (self.mass * state.velocity**2)[~model.held].sum()),
+        )

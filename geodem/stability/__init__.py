@@ -1,0 +1,1 @@
+"""The factor at which the ground fails: strength reduction and gravity increase."""
