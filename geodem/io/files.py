@@ -1,0 +1,70 @@
+"""Writing a file whole or not at all, with errors that say what to do."""
+
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import Path
+
+from geodem.errors import InputError
+
+_REMEDIES = {
+    errno.ENOSPC: ("the disk is full", "Free some space or choose another folder with --out"),
+    errno.EDQUOT: ("the disk quota is used up", "Free some space or choose another folder with --out"),
+    errno.EFBIG: ("the file is larger than is allowed here", "Choose another folder with --out"),
+    errno.EACCES: ("writing is not permitted", "Choose a folder that you may write to, with --out"),
+    errno.EPERM: ("writing is not permitted", "Choose a folder that you may write to, with --out"),
+    errno.EROFS: ("the folder is read-only", "Choose a folder that you may write to, with --out"),
+    errno.ENOTDIR: ("a part of the path is a file, not a folder", "Choose another folder with --out"),
+    errno.EEXIST: ("a part of the path is a file, not a folder", "Choose another folder with --out"),
+    errno.EISDIR: ("a folder has the name of the file", "Move that folder away or choose another with --out"),
+}
+
+
+def write_whole(path: Path | str, data: bytes | str) -> None:
+    """Write a file so that at any moment its name holds the old content or the new, never a part.
+
+    Parameters
+    ----------
+    path : path
+        Folders on the way are made.
+    data : bytes, or str (written as UTF-8)
+
+    Raises
+    ------
+    InputError
+        The file cannot be written (read-only folder, full disk, ...); what stood there is untouched.
+    """
+    path = Path(path)
+    content = data.encode() if isinstance(data, str) else data
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            with part.open("wb") as stream:
+                stream.write(content)
+                stream.flush()
+                os.fsync(stream.fileno())
+            os.replace(part, path)
+        except BaseException:
+            _remove(part)
+            raise
+    except OSError as error:
+        raise cannot_write(path, error) from error
+
+
+def cannot_write(path: Path | str, error: OSError) -> InputError:
+    """The error of the system, as one that tells the user what is wrong with the place and what to do."""
+    problem, remedy = _REMEDIES.get(
+        error.errno or 0,
+        (f"cannot be written ({error.strerror or error})", "Choose another folder with --out"),
+    )
+    return InputError(str(path), problem, remedy + ".")
+
+
+def _remove(part: Path) -> None:
+    """Take the unfinished file away where that is still possible."""
+    try:
+        part.unlink(missing_ok=True)
+    except OSError:
+        return  # the first error is the one to report
