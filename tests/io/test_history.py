@@ -106,7 +106,7 @@ def test_a_full_disk_while_writing(tmp_path):
     try:
         history.write(1, 1.0, 0.1, 0.0)
         with pytest.raises(InputError, match="--out"):
-            history.write(2, 1.0, 0.1, float("9" * 300))
+            history.write(2, 1.0, 0.1, 2.0 / 3.0)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
     assert read_history(tmp_path / "history.csv")["step [-]"].tolist() == [1.0]
