@@ -101,6 +101,7 @@ class Simulation:
     def _compile(self, energy: bool) -> ModuleType:
         functions = [
             self.law.update_stress,
+            self.law.elastic_energy,
             stress_particles.deform,
             stress_particles.move,
             stress_particles.relax,

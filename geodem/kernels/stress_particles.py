@@ -59,16 +59,11 @@ def deform(velocity, start, index, vector, area, material, table, stress, dissip
             stress[point, 2] = new_xy
             stress[point, 3] += plastic_shear
             if ENERGY and plastic_shear + abs(plastic_area) > 0.0:
-                # flow is along the stress, so plastic work is that of mean stress and radius
-                old_d = 0.5 * (old_xx - old_yy)
-                new_d = 0.5 * (new_xx - new_yy)
-                new_t = math.sqrt(new_d * new_d + new_xy * new_xy)
-                if new_t > 0.0:
-                    old_t = (old_d * new_d + old_xy * new_xy) / new_t
-                else:
-                    old_t = math.sqrt(old_d * old_d + old_xy * old_xy)
-                mean = 0.25 * (old_xx + old_yy + new_xx + new_yy)
-                dissipation[point] += mean * plastic_area + 0.5 * (old_t + new_t) * plastic_shear
+                # what the stress worked and did not store, whatever the law's way back to its strength
+                done = 0.5 * (old_xx + new_xx) * xx + 0.5 * (old_yy + new_yy) * yy + 0.5 * (old_xy + new_xy) * xy
+                stored = elastic_energy(table[row, 0], table[row, 1], new_xx, new_yy, new_xy)
+                stored -= elastic_energy(table[row, 0], table[row, 1], old_xx, old_yy, old_xy)
+                dissipation[point] += done * inverse - stored
 
 
 def move(
