@@ -261,7 +261,7 @@ class _Hunt:
             factor = exact(self.ground, arcs, self.method, slices, self.composite)[0]
             return factor if np.isfinite(factor) else REFUSED
 
-        # On the edge of what a method can judge, slices that end at layers may be refused where even ones were not.
+        # On the edge of what a method can judge, exact slices may be refused where even ones were not.
         results: list[Any] = []
         for start, rough in zip(p, value, strict=True):
             if len(results) == 2 or (results and rough > 1.01 * value[0]) or objective(start) >= REFUSED:

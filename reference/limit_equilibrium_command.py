@@ -69,7 +69,7 @@ def section_of(case: Case) -> Section:
         scale=section.scale,
         legend=section.legend,
         background=section.background,
-        y_axis=section.y_axis,
+        y_axis="up" if section.y_axis == "up" else "down",
         origin=section.origin,
     )
 

@@ -155,7 +155,7 @@ class _Hunt:
             return []
         value = self.factors(blocks)
         found = []
-        for i in np.argsort(value, kind="stable")[:3]:
+        for i in np.argsort(value, kind="stable")[:2]:
             if np.isfinite(value[i]):
                 self.start = float(value[i])
                 found.append(self.improve(blocks[i], rounds=80))
@@ -186,6 +186,8 @@ class _Hunt:
         best = float(self.factors(points[None])[0])
         size = 0.1 * self.ground.height
         for _ in range(rounds):
+            if size < 3e-4 * self.ground.height:
+                break
             trial = self.moved(points, children, size)
             value = self.factors(trial)
             winner = int(np.argmin(value))
@@ -240,12 +242,13 @@ class _Hunt:
         for x, y in self.ground.layer_lines():
             stations = np.linspace(x[0], x[-1], 22)[1:-1]
             levels = np.interp(stations, x, y)
-            for i, j in itertools.combinations(range(len(stations)), 2):
-                first, last = (stations[i], levels[i]), (stations[j], levels[j])
-                for ramp, scarp in itertools.product((-0.15, -0.5), (1.0, 1.7, 3.0)):
-                    toe, crest = self.hit(*first, -1.0, ramp), self.hit(*last, 1.0, scarp)
+            points = list(zip(stations, levels, strict=True))
+            toes = [[self.hit(*point, -1.0, ramp) for ramp in (-0.15, -0.5)] for point in points]
+            crests = [[self.hit(*point, 1.0, scarp) for scarp in (1.0, 1.7, 3.0)] for point in points]
+            for i, j in itertools.combinations(range(len(points)), 2):
+                for toe, crest in itertools.product(toes[i], crests[j]):
                     if toe is not None and crest is not None:
-                        found.append([toe, first, last, crest])
+                        found.append([toe, points[i], points[j], crest])
         return np.array(found) if found else np.empty((0, 4, 2))
 
     def hit(self, x: float, y: float, way: float, slope: float) -> Array | None:
