@@ -1,0 +1,326 @@
+"""A case file to a validated `Case`; every error of the file at once."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from geodem import units
+from geodem.case.data import (
+    METHODS,
+    PACKINGS,
+    WORKFLOWS,
+    Case,
+    ImageSection,
+    Reference,
+    RegionSection,
+)
+from geodem.case.loading import read_boundary, read_loads
+from geodem.case.material import check_names, read_materials
+from geodem.case.section import positive, read_section
+from geodem.case.table import Findings, Table, join, listed, nearest, places_of
+from geodem.errors import InputError, InputErrors
+
+KEYS = (
+    "workflow",
+    "title",
+    "particles",
+    "spacing",
+    "packing",
+    "methods",
+    "tolerance",
+    "seed",
+    "allow_implausible",
+    "section",
+    "boundary",
+    "loads",
+    "material",
+    "reference",
+)
+DEFAULT_PARTICLES = 5000
+DEFAULT_TOLERANCE = 0.01
+DEFAULT_SEED = 1
+_FEW, _MANY = 100, 10_000_000  # particles: below, no mechanism can form; above, days and tens of gigabytes
+_DEEPEST = 20  # tables in tables; a case has five
+_BEGIN = "`geodem new slope DIR` writes a case to begin with."
+
+
+def load_case(path: Path | str) -> Case:
+    """Read a case.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        A .toml file, or a folder that holds case.toml.
+
+    Returns
+    -------
+    Case
+
+    Raises
+    ------
+    InputError
+        The file cannot be found or read, or is no TOML.
+    InputErrors
+        All that is wrong in the file, in its order.
+    """
+    path = Path(path)
+    try:
+        if path.is_dir():
+            path = path / "case.toml"
+        content = path.read_bytes()
+    except (FileNotFoundError, NotADirectoryError):
+        raise InputError(str(path), "there is no such case file", f"Check the path. {_BEGIN}") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(
+            str(path), f"the case file cannot be read ({reason})", "Check the path and its permissions."
+        ) from None
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        problem = f"line {line} is not UTF-8 text"
+        raise InputError(str(path), problem, "Save the file as UTF-8.") from None
+    return parse_case(text, path.parent)
+
+
+def parse_case(text: str, folder: Path) -> Case:
+    """Read a case from its text.
+
+    Parameters
+    ----------
+    text : str
+        TOML.
+    folder : pathlib.Path
+        What relative paths in it are relative to.
+
+    Returns
+    -------
+    Case
+
+    Raises
+    ------
+    InputError
+        The text is no TOML.
+    InputErrors
+        All that is wrong in it, in its order.
+    """
+    document = _document(text)
+    findings = Findings(document)
+    top = Table(findings, "", document, KEYS)
+    _read_allowed(top, document)
+    workflow = _workflow(top)
+    title = top.text("title", remedy='Write title = "My slope".')
+    if "title" not in top:
+        title = folder.resolve().name or "Slope"
+        findings.default("title", f'"{title}"')
+    particles, spacing = _resolution(top)
+    packing = top.choice("packing", PACKINGS, default="random")
+    methods = _methods(top)
+    tolerance = _tolerance(top)
+    seed = top.integer("seed", smallest=0, remedy="Write a whole number such as 1.")
+    if "seed" not in top:
+        seed = DEFAULT_SEED
+        findings.default("seed", str(seed))
+    section, coordinates = read_section(top, folder)
+    boundary = read_boundary(top)
+    loads = read_loads(top, coordinates, section)
+    materials = read_materials(top)
+    defined = top.content.get("material")
+    check_names(
+        findings, _used_materials(document), tuple(defined) if isinstance(defined, dict) else (), materials
+    )
+    if section is not None and spacing is not None:
+        _check_spacing(findings, section, spacing)
+    reference = _reference(top)
+    _check_allowed(findings, document)
+    if findings.errors:
+        raise InputErrors(findings.in_order())
+    # every None below has been reported
+    assert workflow is not None
+    assert title is not None
+    assert packing is not None
+    assert seed is not None
+    assert section is not None
+    return Case(
+        workflow=workflow,
+        title=title,
+        particles=particles,
+        spacing=spacing,
+        packing=packing,
+        methods=methods,
+        tolerance=tolerance,
+        seed=seed,
+        section=section,
+        boundary=boundary,
+        loads=loads,
+        materials=materials,
+        reference=reference,
+        allow_implausible=findings.allowed,
+        notices=tuple(findings.notices),
+        questions=tuple(findings.questions),
+        text=text,
+    )
+
+
+def _document(text: str) -> dict[str, Any]:
+    """The parsed TOML."""
+    try:
+        document = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        # "Cannot overwrite a value (at line 3, column 5)"
+        message, _, where = str(error).rstrip(")").partition(" (at ")
+        remedy = (
+            "Mend this place; text stands in quotes, a table begins with [name], and each key stands once."
+        )
+        raise InputError(
+            f"case file, {where}" if where else "case file", f"this is not TOML: {message}", remedy
+        ) from None
+    except (ValueError, RecursionError):
+        raise InputError(
+            "case file", "a number is too long or lists are nested too deep", "Shorten it."
+        ) from None
+    level: list[Any] = [document]
+    for _ in range(_DEEPEST):
+        level = [inner for value in level for inner in (value.values() if isinstance(value, dict) else value)]
+        level = [value for value in level if isinstance(value, dict | list)]
+    if level:
+        raise InputError(
+            "case file", f"tables are nested more than {_DEEPEST} deep", f"A case has five levels. {_BEGIN}"
+        )
+    return document
+
+
+def _read_allowed(top: Table, document: dict[str, Any]) -> None:
+    allowed = []
+    for index, value in enumerate(top.items("allow_implausible", example='["material.soil.density"]')):
+        if isinstance(value, str):
+            allowed.append(value)
+        else:
+            problem = f"the text of a key is needed here, not {units.describe(value)}"
+            remedy = 'Write allow_implausible = ["material.soil.density"].'
+            top.findings.error(f"allow_implausible[{index}]", problem, remedy, value=value)
+    top.findings.allowed = tuple(dict.fromkeys(allowed))
+
+
+def _check_allowed(findings: Findings, document: dict[str, Any]) -> None:
+    known = dict.fromkeys([*places_of(document), *findings.asked])
+    for place in findings.allowed:
+        if place not in known:
+            remedy = f'{nearest(place, known)}Write the full key, as in "material.soil.density".'
+            findings.error("allow_implausible", "no such key in this case", remedy, value=place)
+        elif place not in findings.asked:
+            findings.notices.append(f"allow_implausible: {place} is plausible and needs no permission.")
+
+
+def _workflow(top: Table) -> str | None:
+    if "workflow" not in top:
+        top.missing("workflow", f'Write workflow = "slope". Known: {listed(WORKFLOWS)}.')
+        return None
+    return top.choice("workflow", WORKFLOWS)
+
+
+def _resolution(top: Table) -> tuple[int | None, float | None]:
+    findings = top.findings
+    particles = top.integer("particles", smallest=3, remedy="Write a whole number such as 5000.")
+    spacing = top.quantity("spacing", "length", check=positive)
+    if "particles" in top and "spacing" in top:
+        top.error("spacing", "particles and spacing are both given", "Keep one of them; the other follows.")
+    elif "particles" not in top and "spacing" not in top:
+        particles = DEFAULT_PARTICLES
+        findings.default("particles", str(particles))
+    if particles is not None and not _FEW <= particles <= _MANY:
+        few = particles < _FEW
+        problem = (
+            "so few particles cannot form a mechanism"
+            if few
+            else "so many particles take days and tens of gigabytes"
+        )
+        findings.implausible("particles", problem, "Slopes need 2500 to 20000.", value=particles)
+    return particles, spacing
+
+
+def _check_spacing(findings: Findings, section: RegionSection | ImageSection, spacing: float) -> None:
+    left, bottom, right, top = section.bounds
+    width, height = right - left, top - bottom
+    shown = units.show(spacing, "length")
+    if spacing > 0.5 * min(width, height):
+        size = f"{units.show(width, 'length')} by {units.show(height, 'length')}"
+        problem = f"{shown} between particles is too coarse for a section of {size}"
+        remedy = f"Give a smaller spacing, such as {units.show(0.02 * width, 'length')}."
+        findings.implausible("spacing", problem, remedy)
+    elif width * height / spacing**2 > _MANY:
+        problem = f"{shown} between particles makes up to {width * height / spacing**2:.2g} particles"
+        findings.implausible(
+            "spacing", problem, "Give a larger spacing; slopes need 2500 to 20000 particles."
+        )
+
+
+def _methods(top: Table) -> tuple[str, ...]:
+    if "methods" not in top:
+        top.findings.default("methods", listed(METHODS))
+        return METHODS
+    example = f"[{listed(METHODS)}]"
+    values = top.items("methods", example=example)
+    if values == [] and isinstance(top.content["methods"], list):
+        top.error("methods", "the list is empty", f"Write methods = {example}, or one of them.")
+    found: list[str] = []
+    for index, value in enumerate(values):
+        place = f"methods[{index}]"
+        if not isinstance(value, str) or value not in METHODS:
+            hint = nearest(value, METHODS) if isinstance(value, str) else ""
+            top.findings.error(place, "unknown method", f"{hint}Known: {listed(METHODS)}.", value=value)
+        elif value in found:
+            top.findings.error(place, "this method is named twice", "Name it once.", value=value)
+        else:
+            found.append(value)
+    return tuple(found)
+
+
+def _tolerance(top: Table) -> float:
+    def check(value: float) -> tuple[str, str] | None:
+        if 1e-4 <= value <= 0.2:
+            return None
+        return (
+            "the tolerance lies between 0.0001 and 0.2",
+            "It is the width of [stable, failed] over the factor; 0.01 is usual.",
+        )
+
+    if "tolerance" not in top:
+        top.findings.default("tolerance", str(DEFAULT_TOLERANCE))
+        return DEFAULT_TOLERANCE
+    return top.quantity("tolerance", "dimensionless", check=check) or DEFAULT_TOLERANCE
+
+
+def _used_materials(document: dict[str, Any]) -> list[tuple[str, str]]:
+    """Places and names of the materials that the section asks for, whatever else is wrong with it."""
+    section = document.get("section")
+    if not isinstance(section, dict):
+        return []
+    used = []
+    for key in ("regions", "refine"):
+        rows = section.get(key)
+        for index, row in enumerate(rows if isinstance(rows, list) else []):
+            if isinstance(row, dict) and isinstance(row.get("material"), str) and row["material"].strip():
+                used.append((f"section.{key}[{index}].material", row["material"]))
+    legend = section.get("legend")
+    if isinstance(legend, dict) and "image" in section:
+        used += [
+            (join("section.legend", c), m) for c, m in legend.items() if isinstance(m, str) and m.strip()
+        ]
+    return used
+
+
+def _reference(top: Table) -> Reference | None:
+    example = '[reference] with factor = 1.26 and source = "author, year"'
+    table = top.sub("reference", ("factor", "source"), example=example)
+    if table is None:
+        return None
+    factor = table.quantity("factor", "dimensionless", check=positive)
+    source = table.text("source", remedy='Write source = "author, year, table".')
+    for key in ("factor", "source"):
+        if key not in table:
+            table.missing(key, f"Write {example}.")
+    return None if factor is None or source is None else Reference(factor, source)
