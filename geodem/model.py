@@ -94,6 +94,14 @@ class Model:
         """The parameters of all materials, (materials, parameters) [SI]."""
         return np.array([tuple(p) for p in self.parameters], dtype=np.float64)
 
+    def particle_mean(self, values: Floats) -> Floats:
+        """Area-weighted mean over every particle's stress points: (s, k) to (n, k)."""
+        columns = [
+            np.bincount(self.point_particle, values[:, k] * self.point_area, minlength=self.particles)
+            for k in range(values.shape[1])
+        ]
+        return np.asarray(np.stack(columns, axis=1) / self.particle_area[:, None])
+
     def with_parameters(self, parameters: Sequence[Any]) -> Model:
         """The same model with other material parameters (one tuple per material)."""
         return replace(self, parameters=tuple(parameters))

@@ -199,12 +199,7 @@ class Simulation:
 
     def particle_stress(self) -> Floats:
         """Stress and plastic shear strain of every particle (n, 4): the area-weighted mean of its stress points."""
-        model = self.model
-        total = [
-            np.bincount(model.point_particle, self.state.stress[:, k] * model.point_area, minlength=model.particles)
-            for k in range(4)
-        ]
-        return np.stack(total, axis=1) / model.particle_area[:, None]
+        return self.model.particle_mean(self.state.stress)
 
     def energy(self) -> EnergyAccount:
         """Where the work of gravity and loads went since `begin` (constant external forces in between)."""

@@ -1,1 +1,1 @@
-"""What is read off a state: the failed mass, its slip surface, energy and unbalanced force."""
+"""Measures of a state: energy, displacement, slip surface."""

@@ -93,6 +93,12 @@ class Search:
                 on_batch(self)
         return bracket(self.trials)
 
+    def continue_trial(self, factor: float, history: Sequence[tuple[int, float, float]], state: State) -> None:
+        """Take up a trial where a checkpoint left it."""
+        self.method.apply(self.simulation, factor)
+        self.simulation.state = state
+        self.current, self.history = factor, list(history)
+
     def _begin(self) -> bool:
         """Set up the next trial; False when the search is done."""
         factor = next_factor(
@@ -170,7 +176,3 @@ class Search:
             return left * mean
         return max(left - 1, 0) * mean + max(mean - self.seconds, 0.25 * mean)
 
-
-def coarse_start(trials: Sequence[Trial]) -> float | None:
-    """First factor for the fine model: the middle of the coarse bracket (coarse particles are a little too strong)."""
-    return bracket(trials).value

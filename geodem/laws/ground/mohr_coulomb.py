@@ -142,3 +142,8 @@ def features(materials: Sequence[MohrCoulombParameters], *, plastic: bool) -> di
 def elastic_moduli(material: MohrCoulombParameters) -> tuple[float, float]:
     """lambda + G and G [Pa]."""
     return material.area_modulus, material.shear_modulus
+
+
+def without_dilation(material: MohrCoulombParameters) -> MohrCoulombParameters:
+    """The same material with a dilation angle of zero."""
+    return material._replace(sin_psi=0.0)

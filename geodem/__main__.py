@@ -1,0 +1,5 @@
+"""python -m geodem."""
+
+from .cli import main
+
+main()

@@ -1,0 +1,240 @@
+"""The commands: geodem new | check | run | resume | plot | info.
+
+Exit status 0: done; 2: bad input, nothing written over; 3: stopped, resumable; 1: a defect of ours.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import shlex
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+
+from .errors import InputError, StoppedError
+
+if TYPE_CHECKING:
+    from .analysis import Update
+
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    help="Factor of safety and failure of the ground by particle models.",
+)
+console = Console(highlight=False, soft_wrap=True)
+complaints = Console(stderr=True, highlight=False, soft_wrap=True)
+
+CaseArgument = Annotated[Path, typer.Argument(metavar="CASE", help="A case file, or the folder that holds case.toml.")]
+FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="The folder that 'geodem run' wrote to.")]
+ThreadsOption = Annotated[int | None, typer.Option(min=1, help="Threads; all cores if left out. The bits do not change.")]
+
+
+@app.command()
+def run(
+    case: CaseArgument,
+    out: Annotated[Path | None, typer.Option(help="Folder of the results. [default: NAME-result]")] = None,
+    threads: ThreadsOption = None,
+    quick: Annotated[bool, typer.Option("--quick", help="About 1,000 particles: a first look.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results of another case.")] = False,
+) -> None:
+    """Search the factors of a case and write its report."""
+    from .workflow import default_folder, run_case
+
+    folder = out if out is not None else default_folder(case, quick)
+    with _interruptible() as stop_asked, _progress() as watch:
+        result = run_case(
+            case, folder, threads=threads, quickly=quick, overwrite=overwrite,
+            watch=watch, stop_asked=stop_asked, command=_command(),
+        )  # fmt: skip
+    _tell(result, folder)
+
+
+@app.command()
+def resume(folder: FolderArgument, threads: ThreadsOption = None) -> None:
+    """Go on with a run that was stopped."""
+    from .workflow import resume_case
+
+    with _interruptible() as stop_asked, _progress() as watch:
+        result = resume_case(folder, threads=threads, watch=watch, stop_asked=stop_asked, command=_command())
+    _tell(result, folder)
+
+
+@app.command()
+def check(
+    case: CaseArgument,
+    out: Annotated[Path | None, typer.Option(help="Where the picture goes. [default: NAME-check.png]")] = None,
+) -> None:
+    """Build a case without running it: picture, counts, memory, expected run time, plausibility."""
+    from .checking import check_case
+
+    check_case(case, out, console)
+
+
+@app.command()
+def new(
+    kind: Annotated[str, typer.Argument(metavar="KIND", help="What to make: slope.")],
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder that does not exist yet.")],
+) -> None:
+    """Make a folder with a case to start from."""
+    from importlib.resources import files
+
+    templates = files("geodem") / "templates"
+    kinds = sorted(entry.name for entry in templates.iterdir() if entry.is_dir() and not entry.name.startswith("_"))
+    if kind not in kinds:
+        raise InputError("KIND", "there is no such template", f"Choose one of: {', '.join(kinds)}", value=kind)
+    if folder.exists():
+        raise InputError("DIR", "this already exists", "Name a folder that does not exist yet", value=str(folder))
+    from .io.files import write_whole
+
+    for entry in sorted((templates / kind).iterdir(), key=lambda e: e.name):
+        write_whole(folder / entry.name, entry.read_bytes())
+    console.print(f"Made {folder}/case.toml. Next: geodem check {shlex.quote(str(folder))}")
+
+
+@app.command()
+def plot(folder: FolderArgument) -> None:
+    """Make the report and its pictures again from a folder's checkpoint."""
+    from .workflow import redraw
+
+    console.print(f"Report: {redraw(folder)}")
+
+
+@app.command()
+def info() -> None:
+    """Versions, threads, the folder of compiled kernels, and the codes found to compare with."""
+    from .checking import show_info
+
+    show_info(console)
+
+
+def main() -> None:
+    """Run a command; errors become one clear message and an exit status."""
+    try:
+        app()
+    except InputError as error:
+        complaints.print(f"[bold red]Cannot go on.[/] {_escaped(str(error))}")
+        sys.exit(2)
+    except StoppedError as error:
+        complaints.print(f"[yellow]{_escaped(str(error))}. The state is kept: geodem resume DIR goes on.[/]")
+        sys.exit(3)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
+
+
+def _escaped(text: str) -> str:
+    from rich.markup import escape
+
+    return escape(text)
+
+
+def _command() -> str:
+    return shlex.join(["geodem", *sys.argv[1:]])
+
+
+@contextmanager
+def _interruptible() -> Iterator[Callable[[], bool]]:
+    """Ctrl-C asks to stop at the next batch; a second one ends at once, with the last checkpoint kept."""
+    asked = False
+
+    def ask(number: int, frame: FrameType | None) -> None:
+        nonlocal asked
+        if asked:
+            raise KeyboardInterrupt
+        asked = True
+
+    old = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield lambda: asked
+    except KeyboardInterrupt:
+        raise StoppedError("stopped at once") from None
+    finally:
+        for number, handler in old.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[Update], None]]:
+    """A live line with the bracket closing; plain lines, one a trial, where there is no terminal."""
+    live = console.status("starting") if console.is_terminal else None
+    shown: dict[str, Any] = {"trials": -1, "stage": "", "time": 0.0}
+
+    def watch(update: Update) -> None:
+        progress = update.progress
+        if progress is None:
+            if live is not None:
+                live.update(f"{update.stage}: {update.text}")
+            elif update.stage != shown["stage"]:
+                console.print(f"{update.stage}: {update.text}")
+            shown["stage"] = update.stage
+            return
+        stable, failed = progress.bracket.stable, progress.bracket.failed
+        low = "?" if stable is None else f"{stable:.4g}"
+        high = "?" if failed is None else f"{failed:.4g}"
+        left = "" if math.isnan(update.seconds_left) else f", about {_duration(update.seconds_left)} left"
+        head = f"{progress.kind}, {progress.model} model: between {low} and {high}"
+        key = (progress.kind, progress.model, progress.trials)
+        if live is None:
+            if key != shown["trials"] and progress.trials:
+                console.print(f"{head} after {progress.trials} trials{left}")
+            shown["trials"] = key
+        elif time.perf_counter() - shown["time"] > 0.1:
+            shown["time"] = time.perf_counter()
+            live.update(
+                f"{head}; trying {progress.factor:.4g}: step {progress.steps}, unbalanced "
+                f"{progress.unbalanced_ratio:.1e}, moved {progress.displacement_settlements:.2f} settlements{left}"
+            )
+
+    if live is None:
+        yield watch
+    else:
+        with live:
+            yield watch
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 1.0:
+        return "1 s"
+    if seconds < 90.0:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60.0:.1f} min"
+
+
+def _tell(result: dict[str, Any], folder: Path) -> None:
+    """The answer, in the words of the report."""
+    names = {"strength-reduction": "Factor of safety", "gravity-increase": "Gravity factor (a load factor)"}
+    for entry in result["factors"]:
+        name = names[entry["kind"]]
+        if entry["value"] is None:
+            console.print(f"[bold]{name}[/]: not bracketed (stable {entry['stable']}, failed {entry['failed']})")
+            continue
+        line = f"[bold]{name} {entry['value']:.3f}[/] ({entry['kind']}; "
+        line += f"stable {entry['stable']:.3f}, failed {entry['failed']:.3f})"
+        console.print(line)
+    for neighbour in result["neighbours"]:
+        console.print(f"{neighbour['method']} {neighbour['factor']:.3f}")
+    if result["neighbours_why"]:
+        console.print(result["neighbours_why"])
+    if result.get("reference"):
+        console.print(f"Published {result['reference']['factor']:g} ({result['reference']['source']})")
+    for warning in result["warnings"]:
+        console.print(f"[yellow]note[/] {_escaped(warning)}")
+    time_line = f"{result['particles']} particles, {result['steps']} steps, {result['wall_time_s']:.1f} s"
+    console.print(f"{time_line}, of which {result['compile_time_s']:.1f} s compiling")
+    console.print(f"Report: {folder / 'report.html'}")
+
+
+
+if __name__ == "__main__":
+    main()

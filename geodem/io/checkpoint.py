@@ -1,0 +1,127 @@
+"""Checkpoints: a tree of arrays and plain data in one HDF5 file, written whole or not at all, with a checksum."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError
+from .files import write_whole
+
+FORMAT = "geodem-checkpoint"
+FORMAT_VERSION = 1
+
+Tree = dict[str, Any]
+"""Names to arrays, plain data (anything JSON can hold) or further trees."""
+
+
+def write_checkpoint(path: Path | str, tree: Mapping[str, Any]) -> None:
+    """Write a checkpoint so that its name holds the old or the new one at any moment.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written; the old one is untouched.
+    """
+    import h5py
+
+    buffer = io.BytesIO()
+    with h5py.File(buffer, "w") as file:
+        _write_group(file, tree)
+        file.attrs["format"] = FORMAT
+        file.attrs["format_version"] = FORMAT_VERSION
+        file.attrs["checksum"] = checksum(tree)
+    write_whole(path, buffer.getvalue())
+
+
+def read_checkpoint(path: Path | str) -> Tree:
+    """Read a checkpoint; nothing in it is executed.
+
+    Raises
+    ------
+    InputError
+        No such file, not a checkpoint, of another format version, truncated or changed.
+    """
+    import h5py
+
+    path = Path(path)
+    place = str(path)
+    again = "Run the case again: geodem run CASE --out DIR --overwrite"
+    if not path.is_file():
+        raise InputError(place, "there is no checkpoint here", "Give the folder that 'geodem run' wrote to")
+    try:
+        with h5py.File(path, "r") as file:
+            if file.attrs.get("format") != FORMAT:
+                raise InputError(place, "this is not a checkpoint of geodem", again)
+            version = int(file.attrs["format_version"])
+            if version != FORMAT_VERSION:
+                problem = f"checkpoint format {version}, this geodem reads format {FORMAT_VERSION}"
+                raise InputError(place, problem, again)
+            stored = str(file.attrs["checksum"])
+            tree = _read_group(file)
+    except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(place, "the checkpoint is damaged or cut off", again) from error
+    if checksum(tree) != stored:
+        raise InputError(place, "the checkpoint was changed after it was written (its checksum differs)", again)
+    return tree
+
+
+def checksum(tree: Mapping[str, Any]) -> str:
+    """SHA-256 over names, types, shapes and bytes of a tree: equal only for equal bits."""
+    digest = hashlib.sha256()
+    for name, value in _leaves(tree, ""):
+        digest.update(name.encode())
+        if isinstance(value, np.ndarray):
+            digest.update(f"{value.dtype.str}{value.shape}".encode())
+            digest.update(np.ascontiguousarray(value).tobytes())
+        else:
+            digest.update(json.dumps(value, sort_keys=True).encode())
+    return digest.hexdigest()
+
+
+def _leaves(tree: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
+    for name in sorted(tree):
+        value = tree[name]
+        if _is_tree(value):
+            yield from _leaves(value, f"{prefix}/{name}")
+        else:
+            yield f"{prefix}/{name}", value
+
+
+def _is_tree(value: object) -> bool:
+    """A mapping with an array somewhere below it; others are plain data."""
+    return isinstance(value, Mapping) and any(isinstance(v, np.ndarray) or _is_tree(v) for v in value.values())
+
+
+def _write_group(group: Any, tree: Mapping[str, Any]) -> None:
+    for name, value in tree.items():
+        if isinstance(value, np.ndarray):
+            group.create_dataset(name, data=value)
+        elif _is_tree(value):
+            _write_group(group.create_group(name), value)
+        else:
+            # a dataset, since attributes are limited to 64 kB
+            text = group.create_dataset(name, data=np.frombuffer(json.dumps(value).encode(), dtype=np.uint8))
+            text.attrs["json"] = True
+
+
+def _read_group(group: Any) -> Tree:
+    import h5py
+
+    tree: Tree = {}
+    for name, item in group.items():
+        if isinstance(item, h5py.Group):
+            tree[name] = _read_group(item)
+        elif item.attrs.get("json", False):
+            tree[name] = json.loads(item[()].tobytes().decode())
+        else:
+            tree[name] = item[()]
+    return tree
