@@ -44,7 +44,8 @@ def write_vtkhdf(
         Triangles or tetrahedra; without any, every particle is a vertex, so that it can be seen.
     point_data, cell_data : dict of name to array (n, ...) or (m, ...), optional
         Scalars, vectors of two components (a zero third one is added) or more components. Put the unit in the
-        name: ``"displacement [m]"``. Booleans are written as 0 and 1.
+        name: ``"displacement [m]"``; a slash is written " per ", since HDF5 takes it for a folder. Booleans are
+        written as 0 and 1.
     field_data : dict of name to array or text, optional
         What belongs to the whole frame, such as the factor.
     time : float, optional
@@ -81,7 +82,7 @@ def write_vtkhdf(
         _group(root, "CellData", cell_data or {}, len(cells))
         fields = root.create_group("FieldData")
         for name, value in (field_data or {}).items():
-            _check_name(name)
+            name = _name(name)
             if isinstance(value, str):
                 # VTK reads no string marked as UTF-8, yet takes the bytes of one for what they are
                 fields.create_dataset(name, data=[value.encode()], dtype=h5py.string_dtype("ascii"))
@@ -127,18 +128,20 @@ def _cells(triangles: ArrayLike | None, count: int) -> tuple[NDArray[np.int64], 
 def _group(root: h5py.Group, name: str, arrays: Mapping[str, ArrayLike], count: int) -> None:
     group = root.create_group(name)
     for key, value in arrays.items():
-        _check_name(key)
         array = np.asarray(value)
         if array.ndim < 1 or len(array) != count:
             raise ValueError(f"{name} '{key}' must have {count} rows, not shape {array.shape}")
         array = array.reshape(count, -1) if array.ndim > 1 else array
-        _dataset(group, key, _plain(_three(array) if array.ndim == 2 and array.shape[1] == 2 else array))
+        _dataset(
+            group, _name(key), _plain(_three(array) if array.ndim == 2 and array.shape[1] == 2 else array)
+        )
 
 
-def _check_name(name: str) -> None:
-    """HDF5 takes a slash for a folder."""
-    if "/" in name or not name:
-        raise ValueError(f"array name {name!r}: must not be empty or hold a '/'; write 'kN m-2', not 'kN/m2'")
+def _name(name: str) -> str:
+    """HDF5 takes a slash for a folder: "N/m" is written "N per m"."""
+    if not name:
+        raise ValueError("an array without a name")
+    return name.replace("/", " per ")
 
 
 def _dataset(group: h5py.Group, name: str, array: NDArray) -> None:

@@ -50,9 +50,10 @@ th.n, td.n { text-align:right; } td.n { white-space:nowrap; }
 .trials td:nth-child(4) { min-width:230px; } .trials { font-size:13.5px; } .trials th, .trials td {
   padding:6px 10px; }
 .compare td { font-size:16px; vertical-align:middle; } .compare td:first-child { white-space:nowrap; }
-  .compare td:last-child { font-size:14px; color:var(--soft); }
+  .compare td:last-child { font-size:14px; color:var(--soft);
+  min-width:150px; }
 .compare tbody tr:first-child td:not(:last-child) { font-weight:650; }
-.scale { width:260px; height:22px; display:block; } .scale .axis { stroke:var(--line); stroke-width:2; }
+.scale { width:220px; height:19px; display:block; } .scale .axis { stroke:var(--line); stroke-width:2; }
 .scale .band { fill:var(--accent); opacity:.2; } .scale .ours { fill:var(--accent); }
 .scale .theirs { fill:var(--card); stroke:var(--ink); stroke-width:2; }
 .stable { color:var(--stable); font-weight:600; } .failed { color:var(--failed); font-weight:600; }
@@ -70,7 +71,8 @@ pre { background:var(--card); border:1px solid var(--line); border-radius:10px; 
   color:var(--soft); font-style:italic; }
 @media (max-width:760px) { .grid { grid-template-columns:1fr; } nav { justify-content:flex-start; } .scale {
   width:150px; }
-  nav { position:static; } }
+  nav { position:static; } .compare td:first-child { white-space:normal; } .compare td { font-size:15px; }
+  .compare th:nth-child(4), .compare td:nth-child(4) { display:none; } th, td { padding:6px 9px; } }
 @media print { :root { --ink:#000; --soft:#444; --line:#ccc; --page:#fff; --card:#fff; --accent:#0b5c96;
   --warn:#6b3a00;
   --warn-card:#fff; --stable:#005a8d; --failed:#a04000; --undecided:#555; }
