@@ -44,7 +44,7 @@ def write_vtkhdf(
         Triangles or tetrahedra; without any, every particle is a vertex, so that it can be seen.
     point_data, cell_data : dict of name to array (n, ...) or (m, ...), optional
         Scalars, vectors of two components (a zero third one is added) or more components. Put the unit in the
-        name: ``"displacement [m]"``; a slash is written " per ", since HDF5 takes it for a folder. Booleans are
+        name: ``"displacement [m]"``; a slash is written " per ", as HDF5 takes it for a folder. Booleans are
         written as 0 and 1.
     field_data : dict of name to array or text, optional
         What belongs to the whole frame, such as the factor.

@@ -46,7 +46,7 @@ def answer(result: Mapping[str, Any], view: ReportView) -> str:
     said = wording.verdict(main) if safety else wording.gravity_verdict(main)
     blocks.append(f'<p class="verdict">{text(said)}</p>')
     if main.get("criterion"):
-        blocks.append(f"<p>The failing trial was told by: {text(main['criterion'])}.</p>")
+        blocks.append(f"<p>Decided by: {text(main['criterion'])}.</p>")
     for entry in entries:
         if entry["undecided"]:
             blocks.append(_undecided(entry))
@@ -69,12 +69,13 @@ def _comparison(main: Mapping[str, Any], result: Mapping[str, Any]) -> str:
     others: list[tuple[str, float, str]] = []
     for neighbour in result.get("neighbours") or ():
         if neighbour.get("factor") is not None:
-            notes = "; ".join(str(note) for note in neighbour.get("notes") or ())
+            notes = " ".join(f"{str(note).rstrip('.')}." for note in neighbour.get("notes") or ())
             others.append((str(neighbour.get("method", "other method")), float(neighbour["factor"]), notes))
     for reference in (result.get("reference"), main.get("reference")):
         if isinstance(reference, Mapping):
             known = reference.get("factor", reference.get("value"))
-            if known is not None:
+            # a factor's own reference may repeat a value that is already listed
+            if known is not None and all(abs(float(known) - value) > 1e-9 for _, value, _ in others):
                 source = str(reference.get("source", reference.get("how", "")))
                 others.append(("Published value", float(known), source))
     why = result.get("neighbours_why")
@@ -104,7 +105,25 @@ def _comparison(main: Mapping[str, Any], result: Mapping[str, Any]) -> str:
             [name, f"{other:.3f}", difference, page.scale_bar(other, bounds, band=band, strong=False), notes]
         )
     header = ["Method", "Factor of safety [-]", "geodem against it", "", "Notes"]
-    return page.table(header, rows, numbers=(1, 2), kind="compare") + reason
+    return page.table(header, rows, numbers=(1, 2), kind="compare") + reason + _circles_miss(value, result)
+
+
+def _circles_miss(value: float | None, result: Mapping[str, Any]) -> str:
+    """A word of explanation where circles lie far above what was found."""
+    circular = [
+        float(neighbour["factor"])
+        for neighbour in result.get("neighbours") or ()
+        if neighbour.get("radius") is not None and neighbour.get("factor") is not None
+    ]
+    if value is None or not circular or min(circular) < 1.05 * value:
+        return ""
+    return (
+        "<p>The factors on circles are well above: a circle cannot follow a weak layer, so that it "
+        "overestimates "
+        "the safety of ground that fails along one. Compare the traced slip surface below with the circles, "
+        "and "
+        "the factor with a non-circular surface.</p>"
+    )
 
 
 def _undecided(entry: Mapping[str, Any]) -> str:

@@ -259,15 +259,24 @@ def draw_slip_surface(axes: Axes, surface: Floats, *, label: str = "slip surface
 
 
 def draw_neighbours(axes: Axes, neighbours: Sequence[Mapping[str, Any]]) -> None:
-    """Surfaces of other methods, dashed; of methods that share one surface, one line with all their names."""
-    groups: dict[bytes, tuple[Floats, list[str]]] = {}
+    """Surfaces of other methods, dashed; where several all but coincide, one line with all names."""
+    from shapely import LineString
+
+    groups: list[tuple[Floats, list[str]]] = []
     for neighbour in neighbours:
         surface = np.asarray(neighbour.get("surface", ()), dtype=float).reshape(-1, 2)
-        if len(surface):
-            name = f"{neighbour.get('method', 'other method')} ({float(neighbour['factor']):.2f})"
-            groups.setdefault(surface.round(6).tobytes(), (surface, []))[1].append(name)
+        if len(surface) < 2:
+            continue
+        name = f"{neighbour.get('method', 'other method')} ({float(neighbour['factor']):.2f})"
+        near = 0.015 * float(np.ptp(surface, axis=0).max())
+        for known, names in groups:
+            if LineString(known).hausdorff_distance(LineString(surface)) < near:
+                names.append(name)
+                break
+        else:
+            groups.append((surface, [name]))
     dashes = ((0, (6, 2.5)), (0, (2, 1.6)), (0, (6, 2, 1.5, 2)))
-    for index, (surface, names) in enumerate(groups.values()):
+    for index, (surface, names) in enumerate(groups):
         axes.plot(
             *surface.T,
             color=OTHER_CIRCLES[index % len(OTHER_CIRCLES)],

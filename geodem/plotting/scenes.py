@@ -117,14 +117,16 @@ def displacement_scene(view: ReportView, failure: Failure) -> Figure:
 def strain_scene(view: ReportView, failure: Failure) -> Figure:
     """Plastic shear strain accumulated in the failing trial."""
     figure, axes = section_figure(view, width=5.6, extra=1.25)
+    # a thin layer shears far more than the band above it: the root keeps both in sight
     _field(
         figure,
         axes,
         view,
         failure.plastic_shear_strain,
         strain_colours(),
-        "plastic shear strain [-]",
+        "plastic shear strain [-] (colours over its root)",
         top=99.5,
+        power=0.5,
     )
     if len(failure.slip_surface):
         axes.plot(*failure.slip_surface.T, color=INK, linewidth=1.0, linestyle=(0, (4, 2)), zorder=4.5)
@@ -253,9 +255,18 @@ def mean_spacing(positions: Floats, triangles: NDArray[np.integer]) -> float:
 
 
 def _field(
-    figure: Figure, axes: Axes, view: ReportView, values: Floats, colours: Colormap, label: str, *, top: float
+    figure: Figure,
+    axes: Axes,
+    view: ReportView,
+    values: Floats,
+    colours: Colormap,
+    label: str,
+    *,
+    top: float,
+    power: float = 1.0,
 ) -> None:
     """A field of the particles, shaded within the triangles, with its colour bar below."""
+    from matplotlib.colors import PowerNorm
     from matplotlib.tri import Triangulation
 
     finite = values[np.isfinite(values)]
@@ -263,11 +274,10 @@ def _field(
     highest = highest if highest > 0.0 else (float(finite.max()) if len(finite) and finite.max() > 0 else 1.0)
     shaded = axes.tripcolor(
         Triangulation(view.positions[:, 0], view.positions[:, 1], view.triangles),
-        np.nan_to_num(values),
+        np.nan_to_num(np.maximum(values, 0.0)),
         shading="gouraud",
         cmap=colours,
-        vmin=0.0,
-        vmax=highest,
+        norm=PowerNorm(power, vmin=0.0, vmax=highest),
         zorder=1.0,
         rasterized=True,
     )

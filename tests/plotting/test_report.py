@@ -193,6 +193,27 @@ def test_without_neighbours_the_reason_stands(tmp_path, view, result):
     assert "Bishop simplified" not in page.text
 
 
+def test_a_reference_that_repeats_a_value_is_listed_once(tmp_path, view, result):
+    result["factors"][0]["reference"] = {
+        "value": 1.271,
+        "how": "Bishop simplified",
+        "difference_percent": -0.8,
+    }
+    _, page, _ = report(tmp_path, result, view, methods=[])
+    head = page.text[: page.text.index("Gravity factor")]
+    assert head.count("1.271") == 1
+    assert head.count("Published value") == 1
+
+
+def test_circles_that_miss_a_weak_layer_are_explained(tmp_path, view, result):
+    _, page, _ = report(tmp_path, result, view, methods=[])
+    assert "a circle cannot follow a weak layer" not in page.text
+    for neighbour in result["neighbours"]:
+        neighbour["factor"] = 1.52
+    _, page, _ = report(tmp_path, result, view, methods=[])
+    assert "a circle cannot follow a weak layer" in page.text
+
+
 def test_without_anything_optional(tmp_path, view):
     bare = {"factors": [{"kind": "strength-reduction", "value": 1.0, "stable": 0.995, "failed": 1.005}]}
     _, page, figures = report(

@@ -79,6 +79,20 @@ def test_moving_mass_without_a_surface_is_its_triangles(view):
     assert drawing.moving_polygons(view, np.zeros_like(moving), np.empty((0, 2))) == []
 
 
+def test_surfaces_that_all_but_coincide_share_a_line(view, make_result):
+    with theme.style():
+        _, axes = drawing.section_figure(view)
+        one, two = make_result()["neighbours"]
+        apart = np.asarray(two["surface"]) + np.array([3.0, 0.0])
+        drawing.draw_neighbours(axes, [one, {**two, "surface": np.asarray(two["surface"]) + 0.05}])
+        assert [line.get_label() for line in axes.get_lines()] == ["Bishop simplified (1.27), Spencer (1.27)"]
+        drawing.draw_neighbours(axes, [one, {**two, "surface": apart}, {"method": "none", "factor": 1.0}])
+        assert [line.get_label() for line in axes.get_lines()[1:]] == [
+            "Bishop simplified (1.27)",
+            "Spencer (1.27)",
+        ]
+
+
 def test_particles_belong_to_most_of_their_triangles_and_to_the_later_on_a_tie():
     triangles = np.array([[0, 1, 2], [0, 2, 3], [2, 3, 4]])
     owner = scenes.particle_materials(6, triangles, np.array([0, 0, 1]))
