@@ -176,10 +176,11 @@ def energy(result: Mapping[str, Any]) -> str:
     for kind, account in several.items():
         if kind:
             blocks.append(f"<h3>{text(wording.NAMES.get(kind, kind).capitalize())}</h3>")
+        account = {str(key).removesuffix("_J_per_m"): value for key, value in account.items()}
         work = account.get("external_work")
         rows = []
         for key, value in account.items():
-            name = str(key).replace("_", " ")
+            name = key.replace("_", " ")
             if not isinstance(value, (int, float)) or isinstance(value, bool):
                 rows.append([name, text(value), ""])
             elif "closure" in name:
@@ -190,7 +191,7 @@ def energy(result: Mapping[str, Any]) -> str:
                         "",
                     ]
                 )
-            elif "[" in name or "ratio" in name:
+            elif "[" in name or "ratio" in name or "factor" in name:
                 rows.append([name, wording.number(value), ""])
             else:
                 share = f"{100.0 * value / work:.1f} %" if isinstance(work, (int, float)) and work else ""
@@ -227,7 +228,7 @@ def run(result: Mapping[str, Any], view: ReportView) -> str:
         for key, value in result.items()
         if key not in kept and isinstance(value, (int, float, str)) and not isinstance(value, bool)
     }
-    rows += [(str(key).replace("_", " "), _plain(str(key), value)) for key, value in more.items()]
+    rows += [(_label(str(key)), _plain(str(key), value)) for key, value in more.items()]
     cracks = result.get("cracks")
     if isinstance(cracks, Mapping) and any(cracks.values()):
         rows += [(f"Cracks in {name}", f"{count:,}") for name, count in cracks.items()]
@@ -339,6 +340,14 @@ def _area(view: ReportView) -> float:
     from geodem.measure.slip_surface import triangle_areas
 
     return float(triangle_areas(view.positions, np.asarray(view.triangles)).sum())
+
+
+def _label(key: str) -> str:
+    """A key of result.json in words: an ending that names a unit goes into brackets."""
+    for ending, unit in (("_m2", "m²"), ("_m", "m"), ("_s", "s"), ("_percent", "%")):
+        if key.endswith(ending):
+            return f"{key.removesuffix(ending).replace('_', ' ').capitalize()} [{unit}]"
+    return key.replace("_", " ").capitalize()
 
 
 def _plain(key: str, value: object) -> str:

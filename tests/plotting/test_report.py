@@ -193,6 +193,23 @@ def test_without_neighbours_the_reason_stands(tmp_path, view, result):
     assert "Bishop simplified" not in page.text
 
 
+def test_energy_with_units_in_its_keys(tmp_path, view, result):
+    result["energy"] = {
+        "factor": 1.2906,
+        "external_work_J_per_m": 81267.0,
+        "plastic_J_per_m": 79840.6,
+        "closure": -2.5e-7,
+    }
+    result["spacing_m"] = 0.502
+    _, page, _ = report(tmp_path, result, view, methods=[])
+    assert "factor 1.291" in page.text
+    assert "external work 81,267 J/m 100.0 %" in page.text
+    assert "plastic 79,841 J/m 98.2 %" in page.text  # 79840.6 / 81267
+    assert "closure error -2.5·10⁻⁵ %" in page.text
+    assert "Spacing [m] 0.5020" in page.text
+    assert "J per m" not in page.text
+
+
 def test_a_reference_that_repeats_a_value_is_listed_once(tmp_path, view, result):
     result["factors"][0]["reference"] = {
         "value": 1.271,
