@@ -1,0 +1,1 @@
+"""Geometry of the ground: from polygons and pictures to particles."""
