@@ -1,8 +1,6 @@
-"""Pictures to sections: outlines to a part of a pixel, every kind of file, and errors that name the colour.
+"""Pictures to sections: outlines to a part of a pixel, and every kind of file.
 
-The truth is the polygon that was drawn: a picture is made by asking for 8 x 8 points of every pixel (or
-only its centre, for stairs) in which polygon they lie. Distances are Hausdorff distances between all
-outlines [px].
+The truth is the polygon that was drawn. Distances are Hausdorff distances between all outlines [px].
 """
 
 import math
@@ -14,134 +12,24 @@ from PIL import Image, ImageDraw
 
 from geodem.builders.from_image import label_image, section_from_image
 from geodem.builders.section import Section
-from geodem.errors import InputError
-
-COLOURS = {
-    "soil": "#8c6d31",
-    "seam": "#d62728",
-    "clay": "#1f77b4",
-    "rock": "#7f7f7f",
-    "white": "#ffffff",
-    "black": "#000000",
-}
-# corners in pixels from the upper left corner, y downwards
-SLOPE = (640, 200, [("soil", [(0, 200), (0, 150.25), (250, 150.25), (450.5, 50), (640, 50), (640, 200)])])
-# 64 m x 20 m at 0.1 m/px with a seam of 0.5 m
-SEAM = (
-    640,
-    200,
-    [
-        ("soil", [(0, 200), (640, 200), (640, 0), (475, 0), (230, 122.5), (0, 122.5)]),
-        ("seam", [(0, 135), (640, 135), (640, 130), (0, 130)]),
-    ],
+from tests.builders.pictures import (
+    ANGLE,
+    CIRCLE,
+    COLOURS,
+    LAYERS,
+    SEAM,
+    SLOPE,
+    TILTED_SEAM,
+    assert_conforming,
+    corners_of,
+    distance,
+    legend_of,
+    outlines,
+    raster,
+    rgb,
+    save,
+    truth_of,
 )
-# three layers with a white margin on all sides
-LAYERS = (
-    420,
-    200,
-    [
-        (
-            "soil",
-            [
-                (20.375, 190.25),
-                (400.75, 190.25),
-                (400.75, 30.25),
-                (250, 30.25),
-                (120.5, 100.25),
-                (20.375, 100.25),
-            ],
-        ),
-        ("clay", [(20.375, 150), (400.75, 120), (400.75, 190.25), (20.375, 190.25)]),
-        ("rock", [(20.375, 170), (200, 175), (400.75, 160), (400.75, 190.25), (20.375, 190.25)]),
-    ],
-)
-ANGLE = np.linspace(0.0, 2.0 * math.pi, 240, endpoint=False)
-CIRCLE = (
-    240,
-    200,
-    [
-        ("rock", [(0, 0), (240, 0), (240, 200), (0, 200)]),
-        ("soil", np.c_[120.3 + 70.0 * np.cos(ANGLE), 99.6 + 70.0 * np.sin(ANGLE)]),
-    ],
-)
-TILTED_SEAM = (
-    300,
-    200,
-    [
-        ("soil", [(0, 40), (300, 40), (300, 200), (0, 200)]),
-        ("seam", [(0, 90), (300, 140), (300, 142.1), (0, 92.1)]),
-    ],
-)
-
-
-def rgb(colour):
-    return tuple(int(colour[k : k + 2], 16) for k in (1, 3, 5))
-
-
-def covers(corners, width, height, samples):
-    """Which sample points lie in a polygon: those with an odd number of sides to their left."""
-    toggle = np.zeros((height * samples, width * samples + 1), dtype=np.int8)
-    y = (np.arange(height * samples) + 0.5) / samples
-    points = np.asarray(corners, dtype=float)
-    for (x0, y0), (x1, y1) in zip(points, np.roll(points, -1, axis=0), strict=True):
-        rows = np.flatnonzero((y > min(y0, y1)) & (y <= max(y0, y1)))
-        crossing = (x0 + (y[rows] - y0) * (x1 - x0) / (y1 - y0)) if len(rows) else np.zeros(0)
-        first = np.clip(np.ceil(crossing * samples - 0.5), 0, width * samples).astype(int)
-        np.add.at(toggle, (rows, first), 1)
-    return np.cumsum(toggle[:, :-1], axis=1, dtype=np.int8) % 2 == 1
-
-
-def raster(scene, samples=8, colours=COLOURS, background="#ffffff"):
-    """Picture as an array of float, shape (rows, columns, 3)."""
-    width, height, regions = scene
-    owner = np.zeros((height * samples, width * samples), dtype=np.int8)
-    for index, (_, corners) in enumerate(regions):
-        owner[covers(corners, width, height, samples)] = index + 1
-    blocks = owner.reshape(height, samples, width, samples)
-    result = np.zeros((height, width, 3))
-    for index, colour in enumerate([background, *(colours[name] for name, _ in regions)]):
-        part = (blocks == index).sum(axis=3, dtype=np.int16).sum(axis=1) / samples**2
-        result += part[..., None] * np.array(rgb(colour), dtype=float)
-    return result
-
-
-def save(array, path, **options):
-    Image.fromarray(np.rint(array).astype(np.uint8)).save(path, **options)
-    return path
-
-
-def legend_of(scene, colours=COLOURS):
-    return {colours[name]: name for name, _ in scene[2]}
-
-
-def truth_of(scene):
-    return Section.from_polygons([(name, np.asarray(corners)) for name, corners in scene[2]])
-
-
-def outlines(section):
-    return shapely.unary_union([region.polygon.boundary for region in section.regions])
-
-
-def distance(section, truth):
-    return shapely.hausdorff_distance(outlines(section), outlines(truth), densify=0.005)
-
-
-def corners_of(section):
-    return sum(len(region.polygon.exterior.coords) - 1 for region in section.regions)
-
-
-def assert_conforming(section):
-    """Valid and disjoint, no gaps, and a corner on a neighbour's outline is a corner of the neighbour too."""
-    polygons = [region.polygon for region in section.regions]
-    assert all(polygon.is_valid for polygon in polygons)
-    total = math.fsum(polygon.area for polygon in polygons)
-    assert section.outline.area == pytest.approx(total, rel=1e-12)
-    corners = [{tuple(p) for p in shapely.get_coordinates(polygon)} for polygon in polygons]
-    for i, mine in enumerate(corners):
-        for j, polygon in enumerate(polygons):
-            if i != j:
-                near = {p for p in mine if polygon.distance(shapely.Point(p)) < 1e-6}
-                assert near <= corners[j]
 
 
 @pytest.mark.parametrize(
@@ -470,141 +358,3 @@ def test_random_mosaics_fit_together(tmp_path):
         for k, name in enumerate(names):
             expected = (owner[cell] == k).sum() / samples**2
             assert section.area(name) == pytest.approx(expected, abs=60.0 if suffix == "jpg" else 25.0)
-
-
-# --- errors ---
-
-
-@pytest.fixture
-def slope(tmp_path):
-    return save(raster(SLOPE), tmp_path / "slope.png")
-
-
-LEGEND = {COLOURS["soil"]: "soil"}
-
-
-@pytest.mark.parametrize("scale", [0.0, -0.1, math.nan, math.inf])
-def test_bad_scale(slope, scale):
-    with pytest.raises(
-        InputError, match=r"^section\.scale = .*must be positive and finite \[m/px\].*0\.25 m/px"
-    ):
-        section_from_image(slope, scale=scale, legend=LEGEND)
-
-
-def test_bad_origin_and_axis(slope):
-    with pytest.raises(InputError, match=r"^section\.origin.*two finite lengths"):
-        section_from_image(slope, scale=1.0, legend=LEGEND, origin=(0.0, math.nan))
-    with pytest.raises(InputError, match=r"^section\.y_axis = 'left'.*\"up\" or \"down\""):
-        section_from_image(slope, scale=1.0, legend=LEGEND, y_axis="left")
-
-
-def test_missing_file_folder_and_no_image(tmp_path):
-    with pytest.raises(InputError, match=r"^section\.image = .*none\.png.*does not exist"):
-        section_from_image(tmp_path / "none.png", scale=1.0, legend=LEGEND)
-    with pytest.raises(InputError, match="this is a folder"):
-        section_from_image(tmp_path, scale=1.0, legend=LEGEND)
-    (tmp_path / "text.png").write_text("not a picture")
-    with pytest.raises(InputError, match="not a picture that can be read"):
-        section_from_image(tmp_path / "text.png", scale=1.0, legend=LEGEND)
-
-
-def test_damaged_file(slope, tmp_path):
-    (tmp_path / "half.png").write_bytes(slope.read_bytes()[: slope.stat().st_size // 2])
-    with pytest.raises(InputError, match=r"half\.png.*the picture is damaged"):
-        section_from_image(tmp_path / "half.png", scale=1.0, legend=LEGEND)
-
-
-def test_one_pixel(tmp_path):
-    Image.new("RGB", (1, 1), COLOURS["soil"]).save(tmp_path / "dot.png")
-    with pytest.raises(InputError, match="the picture has 1 x 1 pixels, too few to trace"):
-        section_from_image(tmp_path / "dot.png", scale=1.0, legend=LEGEND)
-
-
-def test_too_large(tmp_path):
-    Image.new("1", (10_000, 6_000)).save(tmp_path / "large.png")
-    with pytest.raises(InputError, match="10000 x 6000 pixels, more than 50000000"):
-        section_from_image(tmp_path / "large.png", scale=1.0, legend=LEGEND)
-
-
-@pytest.mark.parametrize("mode", ["RGB", "RGBA"])
-def test_only_background(tmp_path, mode):
-    Image.new(mode, (50, 50), (255, 255, 255, 0)[: len(mode)]).save(tmp_path / "empty.png")
-    with pytest.raises(InputError, match=r"the whole picture is background.*#8c6d31"):
-        section_from_image(tmp_path / "empty.png", scale=1.0, legend=LEGEND)
-
-
-def test_colour_that_is_not_listed(tmp_path):
-    path = save(raster(SEAM), tmp_path / "seam.png")
-    picture = tmp_path / "out" / "where.png"
-    with pytest.raises(InputError) as caught:
-        section_from_image(path, scale=1.0, legend=LEGEND, picture=picture)
-    text = str(caught.value)
-    assert text.startswith("section.legend")
-    assert "#d62728, which is not listed, on 2.50 % of its pixels" in text
-    assert "nearest legend colour is #8c6d31" in text
-    assert str(picture) in text
-    marked = np.asarray(Image.open(picture))
-    magenta = (marked == (255, 0, 255)).all(axis=2)
-    assert magenta[130:135].all()
-    assert not magenta[:128].any()
-    assert not magenta[137:].any()
-
-
-def test_picture_of_unlisted_colours_without_a_place_goes_to_a_temporary_folder(tmp_path):
-    path = save(raster(SEAM), tmp_path / "seam.png")
-    with pytest.raises(InputError, match="not listed") as caught:
-        label_image(path, legend=LEGEND)
-    assert caught.value.picture.is_file()
-    assert tmp_path not in caught.value.picture.parents
-
-
-@pytest.mark.parametrize("suffix", ["png", "jpg"])
-def test_unlisted_colour_of_a_small_body(tmp_path, suffix):
-    """A boulder of 0.3 % of the picture is refused; in a JPEG too, where edges have colours of their own."""
-    scene = (
-        300,
-        200,
-        [
-            ("soil", [(0, 60), (300, 60), (300, 200), (0, 200)]),
-            ("clay", [(100, 100), (114, 100), (114, 113), (100, 113)]),
-        ],
-    )
-    path = save(raster(scene), tmp_path / f"a.{suffix}")
-    with pytest.raises(InputError, match=r"which is not listed, on 0\.[23]\d % .*near column 10\d, row 10\d"):
-        label_image(path, legend=LEGEND, picture=tmp_path / "where.png")
-
-
-@pytest.mark.parametrize("thickness", [1, 2])
-def test_forgotten_thin_seam_is_refused(tmp_path, thickness):
-    """Left out silently, it would raise the factor of safety."""
-    array = raster(SLOPE)
-    array[170 : 170 + thickness] = rgb(COLOURS["clay"])
-    path = save(array, tmp_path / "a.png")
-    with pytest.raises(InputError, match="#1f77b4, which is not listed"):
-        label_image(path, legend=LEGEND, picture=tmp_path / "where.png")
-
-
-def test_listed_colour_that_is_not_shown(slope):
-    with pytest.raises(
-        InputError, match=r"^section\.legend\.\"#1f77b4\" = 'clay': the picture does not show"
-    ):
-        section_from_image(slope, scale=1.0, legend={**LEGEND, COLOURS["clay"]: "clay"})
-
-
-def test_seam_too_thin_for_a_jpeg(tmp_path):
-    path = save(raster(TILTED_SEAM), tmp_path / "a.jpg", quality=75)
-    with pytest.raises(InputError, match=r"'seam' is about \d\.\d px thick.*Save the drawing as PNG"):
-        section_from_image(path, scale=1.0, legend=legend_of(TILTED_SEAM))
-
-
-def test_bad_legend(slope):
-    with pytest.raises(InputError, match=r"^section\.legend: no colour is listed"):
-        label_image(slope, legend={})
-    with pytest.raises(
-        InputError, match=r"^section\.legend\.\"brown\" = 'brown': this is not a colour.*#rrggbb"
-    ):
-        label_image(slope, legend={"brown": "soil"})
-    with pytest.raises(InputError, match=r"^section\.background = '#ff': this is not a colour"):
-        label_image(slope, legend=LEGEND, background=["#ff"])
-    with pytest.raises(InputError, match="stands twice, as #FFF and #ffffff"):
-        label_image(slope, legend={**LEGEND, "#FFF": "snow"}, background=["#ffffff"])
