@@ -67,12 +67,13 @@ def follow(ground: Ground, arcs: Arcs, x: Array, composite: bool) -> tuple[Array
     return y, np.all(y >= floor - ground.tolerance, axis=1)
 
 
-def admissible(ground: Ground, slices: Slices) -> NDArray[np.bool_]:
+def admissible(ground: Ground, slices: Slices, spare: float = 1.0) -> NDArray[np.bool_]:
+    """Which masses (m,) lie in the ground and are thick enough, by a factor `spare`."""
     # Outlines traced from pictures are rough by so much.
     slack = 1e-3 * ground.height
     real = slices.width > 0.0
     inside = np.all((slices.height >= -slack) | ~real, axis=1)
-    return inside & (np.max(slices.height, axis=1) >= THICKNESS_LEAST * ground.height)
+    return inside & (np.max(slices.height, axis=1) >= spare * THICKNESS_LEAST * ground.height)
 
 
 def exact_edges(ground: Ground, arcs: Arcs, n: int) -> Array:
@@ -126,15 +127,15 @@ def circle_of(ground: Ground, circle: tuple[float, float, float]) -> Arcs:
 
 
 def solve(
-    method: Method, slices: Slices, arcs: Arcs, *, tolerance: float
+    method: Method, slices: Slices, arcs: Arcs, *, tolerance: float, spare: float = 1.0
 ) -> tuple[Array, Array | None, Array]:
     """Factor (m,), inclination (m,) or None, normal forces (m, n) of the masses above arcs."""
-    factor, normal = solve_bishop(slices, arcs.x_centre, arcs.y_centre, tolerance=tolerance)
+    factor, normal = solve_bishop(slices, arcs.x_centre, arcs.y_centre, tolerance=tolerance, spare=spare)
     if method == "bishop":
         return factor, None, normal
     first = factor
     factor, inclination, normal = solve_spencer(
-        slices, (arcs.x_centre, arcs.y_centre), first, tolerance=tolerance
+        slices, (arcs.x_centre, arcs.y_centre), first, tolerance=tolerance, spare=spare
     )
     # The two equations of Spencer's method have further roots without meaning; on a circle the moments of
     # both methods agree but for the normal forces, so that the true one is never far from Bishop's.

@@ -55,12 +55,20 @@ class Answer:
 
 
 def solve_bishop(
-    slices: Slices, x_centre: Array, y_centre: Array, *, tolerance: float = 1e-9, rounds: int = 100
+    slices: Slices,
+    x_centre: Array,
+    y_centre: Array,
+    *,
+    tolerance: float = 1e-9,
+    rounds: int = 100,
+    spare: float = 1.0,
 ) -> tuple[Array, Array]:
     """Factor of safety of masses (m, n) from moments about (x_centre, y_centre), both (m, 1) [m].
 
     The normal force comes from vertical equilibrium without interslice shear. Chords have no normal force
     moment about the centre; the part of a surface that follows the underside of the section has.
+
+    `spare` above 1 makes the rule on m_alpha stricter by that factor.
 
     Returns
     -------
@@ -76,27 +84,36 @@ def solve_bishop(
     drive = np.sum(s.weight * dx + s.horizontal * y_centre - s.horizontal_moment, axis=1)
     glue = s.cohesion * s.length
     factor = np.ones((len(drive), 1))
-    m_alpha = normal = np.empty(0)
+    before = miss_before = np.full_like(factor, np.nan)
+    m_alpha = normal = miss = np.empty(0)
     with np.errstate(all="ignore"):
         for _ in range(rounds):
             m_alpha = s.cosine + s.sine * s.tan_phi / factor
             normal = (s.weight - glue * s.sine / factor) / m_alpha
             resist = np.sum((glue + normal * s.tan_phi) * arm_shear, axis=1)
-            new = (resist / (drive - np.sum(normal * arm_normal, axis=1)))[:, None]
-            new = np.where(new > 0.0, new, np.nan)
-            change = np.abs(new - factor)
-            factor = new
-            if not np.any(change > tolerance * factor):
+            miss = (resist / (drive - np.sum(normal * arm_normal, axis=1)))[:, None] - factor
+            if not np.any(np.abs(miss) > tolerance * factor):
                 break
+            # Secant steps; plain iteration crawls where the factor is small and the bases are steep.
+            secant = factor - miss * (factor - before) / (miss - miss_before)
+            sane = (secant > 0.5 * factor) & (secant < 2.0 * factor)
+            plain = factor + miss
+            before, miss_before = factor, miss
+            factor = np.where(sane, secant, np.where(plain > 0.0, plain, np.nan))
         rough = (s.tan_phi > 0.0) & (s.width > 0.0)
-        sound = np.all((m_alpha >= M_ALPHA_LEAST) | ~rough, axis=1) & (
-            change[:, 0] <= 10.0 * tolerance * factor[:, 0]
-        )
+        sound = np.all((m_alpha >= spare * M_ALPHA_LEAST) | ~rough, axis=1)
+        sound &= np.abs(miss[:, 0]) <= 10.0 * tolerance * factor[:, 0]
     return np.where(sound, factor[:, 0], np.nan), normal
 
 
 def solve_spencer(
-    slices: Slices, pole: tuple[Array, Array], start: Array, *, tolerance: float = 1e-9, rounds: int = 60
+    slices: Slices,
+    pole: tuple[Array, Array],
+    start: Array,
+    *,
+    tolerance: float = 1e-9,
+    rounds: int = 60,
+    spare: float = 1.0,
 ) -> tuple[Array, Array, Array]:
     """Factor of safety of masses (m, n) with interslice forces of one inclination, for surfaces of any shape.
 
@@ -109,6 +126,8 @@ def solve_spencer(
         Point for moments [m]; it changes the conditioning only.
     start : ndarray, (m,)
         Factor to start from.
+    spare : float
+        Above 1 it makes the rule on m_alpha stricter by that factor.
 
     Returns
     -------
@@ -152,7 +171,7 @@ def solve_spencer(
                 break
         normal = across + q * sin_d
         rough = s.width > 0.0
-        sound = np.all((denominator >= M_ALPHA_LEAST) | ~rough, axis=1) & (factor > 0.0)
+        sound = np.all((denominator >= spare * M_ALPHA_LEAST) | ~rough, axis=1) & (factor > 0.0)
         sound &= (np.abs(force) < 1e-4 * total) & (np.abs(moment) < 1e-4 * total * reach)
         sound &= (np.abs(step_f) < 1e-3 * factor) & (np.abs(theta) < 1.4)
     return np.where(sound, factor, np.nan), np.where(sound, theta, np.nan), normal

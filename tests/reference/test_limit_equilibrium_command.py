@@ -136,3 +136,14 @@ def test_bad_input_is_status_two(tmp_path, capsys):
     captured = capsys.readouterr()
     assert captured.out == ""
     assert "material.soil.cohesion" in captured.err
+
+
+def test_spencer_is_left_out_where_it_finds_no_equilibrium(tmp_path, capsys):
+    # A high steep face close to the end of the section: circles have to come up along its rear corner.
+    steep = '{material = "soil", polygon = [[0,0],[0,10],[5,10],[30,60],[35,60],[35,0]]}'
+    path = case_file(tmp_path, f'{steep}, {{material = "seam", polygon = [[0,0],[35,0],[35,1],[0,1]]}}')
+    path.write_text(path.read_text().replace('"10 kPa"', '"80 kPa"').replace('"20 deg"', '"30 deg"'))
+    result = answers(capsys, path)
+    assert [entry["method"] for entry in result["methods"]][:1] == ["Bishop simplified"]
+    assert "Spencer" not in [entry["method"] for entry in result["methods"]]
+    assert any("no equilibrium" in note for note in result["methods"][0]["notes"])
