@@ -10,8 +10,8 @@ Rules that every number here obeys
   there the normal force is a quotient of two small numbers and means nothing.
 - A sliding mass is at least 2 % of the height of the slope thick at its thickest; without this, cohesionless
   ground would slide in a skin without thickness.
-- Of Spencer's solutions on a circle only one within 30 % of Bishop's factor counts: the equations have further
-  roots without meaning.
+- Of Spencer's solutions on a circle only one within 30 % of Bishop's factor counts: the equations have
+  further roots without meaning.
 - A circle that reaches below the section follows the underside of the section instead.
 
 Sources: A.W. Bishop, The use of the slip circle in the stability analysis of slopes, Geotechnique 5 (1955);
