@@ -63,6 +63,57 @@ def set_threads(threads: int | None) -> int:
     return int(numba.get_num_threads())
 
 
+class ThreadPilot:
+    """Chooses, batch by batch, between all threads and one.
+
+    On a machine with other work a thread that lost its core keeps all others waiting at the end of every loop, and
+    several threads can be many times slower than one. The bits do not depend on the number of threads, so
+    it may be chosen by the clock.
+    """
+
+    LOOK_AGAIN_SECONDS = 1.0
+
+    def __init__(self) -> None:
+        import numba
+
+        self._all = int(numba.get_num_threads())
+        self._cost: dict[int, float] = {}  # threads -> seconds per step, lately
+        self._tried: dict[int, float] = {}  # threads -> when
+        self._now = self._all
+
+    def choose(self) -> int:
+        """Set and return the number of threads of the next batch."""
+        import numba
+
+        if self._all > 1:
+            self._now = self._choice()
+            numba.set_num_threads(self._now)
+        return self._now
+
+    def _choice(self) -> int:
+        both = (self._all, 1)
+        for threads in both:
+            if threads not in self._cost:
+                return threads
+        best = min(both, key=lambda threads: self._cost[threads])
+        other = both[1 - both.index(best)]
+        if time.perf_counter() - self._tried[other] > self.LOOK_AGAIN_SECONDS:
+            return other
+        return best
+
+    def learn(self, seconds_per_step: float) -> None:
+        """Say what the last batch cost."""
+        old = self._cost.get(self._now, seconds_per_step)
+        self._cost[self._now] = 0.5 * (old + seconds_per_step)
+        self._tried[self._now] = time.perf_counter()
+
+    def release(self) -> None:
+        """Give all threads back."""
+        import numba
+
+        numba.set_num_threads(self._all)
+
+
 def compile_seconds() -> float:
     """Seconds that this process has spent compiling kernels or loading them from the cache."""
     return _compile_seconds

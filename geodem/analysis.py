@@ -29,6 +29,7 @@ from .errors import InputError, StoppedError
 from .io.checkpoint import checksum, read_checkpoint, write_checkpoint
 from .laws import GROUND_LAWS
 from .measure.energy import EnergyAccount
+from .measure.failing_zone import FailingZone, failing_zone
 from .model import Model
 from .simulation import Simulation
 from .stability.bracket import Bracket, Trial, bracket
@@ -74,7 +75,6 @@ class MethodRecord:
 
     kind: str
     coarse: list[Trial] = field(default_factory=list)
-    coarse_particles: int = 0
     fine: list[Trial] = field(default_factory=list)
     stable: Snapshot | None = None
     failed: Snapshot | None = None
@@ -89,7 +89,6 @@ class MethodRecord:
         tree: dict[str, Any] = {
             "kind": self.kind,
             "coarse": [t.as_dict(history=True) for t in self.coarse],
-            "coarse_particles": self.coarse_particles,
             "fine": [t.as_dict(history=True) for t in self.fine],
             "zero_dilation": [t.as_dict(history=True) for t in self.zero_dilation],
             "current": self.current,
@@ -120,7 +119,6 @@ class MethodRecord:
         return cls(
             kind=tree["kind"],
             coarse=[_trial(t) for t in tree["coarse"]],
-            coarse_particles=tree["coarse_particles"],
             fine=[_trial(t) for t in tree["fine"]],
             zero_dilation=[_trial(t) for t in tree["zero_dilation"]],
             current=tree["current"],
@@ -169,6 +167,8 @@ class Analysis:
         self._compiled_before = compile_seconds()
         self._saved = 0.0
         self._coarse: Model | None = None
+        self.bracketed = False
+        self.focus = 1.0
 
     # --- building -----------------------------------------------------------------------------------------------
 
@@ -182,12 +182,18 @@ class Analysis:
         self.watch(Update("build", "reading the section"))
         self.section = make_section(self.case)
         self.watch(Update("build", "placing particles"))
-        self.particles = self._fill(self.case.particles, self.case.spacing)
-        self.model = self._ground(self.particles)
         self.records = {kind: MethodRecord(kind) for kind in self.case.methods}
+        self._use(self._fill(self.case.particles, self.case.spacing))
+        assert self.model is not None
         return self.model
 
-    def _fill(self, particles: int | None, spacing: float | None) -> Particles:
+    def _use(self, particles: Particles) -> None:
+        self.particles = particles
+        self.model = self._ground(particles)
+
+    def _fill(
+        self, particles: int | None, spacing: float | None, focus: FailingZone | None = None
+    ) -> Particles:
         assert self.section is not None
         spec = self.case.section
         points = [point for s in self.case.loads.surcharge for point in (s.start, s.end)]
@@ -200,6 +206,7 @@ class Analysis:
             layers=spec.layers,
             thin=spec.thin,
             refine=_refinements(self.section, spec),
+            focus=() if focus is None else [focus],
             points=points,
         )
 
@@ -241,24 +248,39 @@ class Analysis:
             `stop_asked` said so; the checkpoint is written.
         """
         assert self.model is not None
+        if not self.bracketed:
+            self._bracket_coarsely()
         for kind, record in self.records.items():
             if record.done:
                 continue
-            if not record.coarse and not record.fine and record.current is None:
-                self._search_coarse(record)
             self._search_fine(record)
             if kind == StrengthReduction.kind and any(not m.dilation_given for m in self._frictional()):
                 self._search_zero_dilation(record)
             record.done = True
             self.save()
 
+    def _bracket_coarsely(self) -> None:
+        """Bracket every method on the coarse model, then place the particles anew where it failed."""
+        coarse = self.coarse_model()
+        failed = []
+        if coarse is not None:
+            for record in self.records.values():
+                snapshot = self._search_coarse(record, coarse)
+                failed += [] if snapshot is None else [snapshot.state]
+            # a given spacing is the user's word; a given number leaves open where the particles are
+            zone = failing_zone(coarse, failed) if self.case.particles is not None else None
+            if zone is not None:
+                self.watch(Update("build", "placing particles where the coarse model failed"))
+                self.focus = zone.ratio
+                self._use(self._fill(self.case.particles, None, zone))
+        self.bracketed = True
+        self.save()
+
     def _frictional(self) -> list[Any]:
         return [m for m in self.case.materials.values() if m.friction_angle > 0.0]
 
-    def _search_coarse(self, record: MethodRecord) -> None:
-        coarse = self.coarse_model()
-        if coarse is None:
-            return
+    def _search_coarse(self, record: MethodRecord, coarse: Model) -> Snapshot | None:
+        """Bracket one method on the coarse model; returns its lowest failed state."""
         simulation = Simulation(coarse, energy=False)
         search = Search(
             simulation,
@@ -269,7 +291,8 @@ class Analysis:
             model="coarse",
         )
         search.run(self._on_coarse_batch)
-        record.coarse, record.coarse_particles = search.trials, coarse.particles
+        record.coarse = search.trials
+        return search.failed
 
     def _search_zero_dilation(self, record: MethodRecord) -> None:
         """The same with psi = 0, on the coarse model: what the silent choice psi = phi is worth."""
@@ -368,6 +391,8 @@ class Analysis:
                 "spacing": particles.spacing,
                 "messages": list(particles.messages),
             },
+            "bracketed": self.bracketed,
+            "focus": self.focus,
             "methods": {kind: record.to_tree() for kind, record in self.records.items()},
             "seconds": self.wall_seconds(),
             "compile_seconds": self.compiled_seconds(),
@@ -404,6 +429,7 @@ class Analysis:
         )
         self.model = self._ground(self.particles)
         self.records = {kind: MethodRecord.from_tree(tree["methods"][kind]) for kind in case.methods}
+        self.bracketed, self.focus = tree["bracketed"], tree["focus"]
         self.seconds, self.compile_seconds = tree["seconds"], tree["compile_seconds"]
         return self
 
@@ -455,12 +481,21 @@ class Analysis:
             if case.reference is None
             else {"factor": case.reference.factor, "source": case.reference.source},
             "versions": versions(),
-            "notices": [*case.notices, *particles.messages],
+            "spacing_where_it_failed": self.focus,
+            "notices": [*case.notices, *particles.messages, *self._focus_notice()],
             "warnings": [*case.questions, *self.warnings, *dilation_warnings(case), *bracket_warnings(factors)],
             "digest": checksum(
                 {"mesh": particles.positions, "trials": [_decided(r) for r in self.records.values()], "final": final}
             ),
         }
+
+    def _focus_notice(self) -> list[str]:
+        if self.focus >= 1.0:
+            return []
+        return [
+            f"particles are {1.0 / self.focus:.2g} times as fine where the coarse model failed as elsewhere; a given "
+            "spacing instead of a number of particles keeps them uniform"
+        ]
 
 
 # --- pieces -----------------------------------------------------------------------------------------------------

@@ -31,7 +31,7 @@ HISTORY_COLUMNS = (
     "factor [-]",
     "step [-]",
     "unbalanced force ratio [-]",
-    "mean displacement [m]",
+    "displacement of what moves [m]",
 )
 
 

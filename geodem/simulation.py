@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._jit import add_compile_seconds, compile_kernel
+from ._jit import ThreadPilot, add_compile_seconds, compile_kernel
 from .integrators.direct_solve import solve_elastic, stiffness
 from .integrators.relaxation import scaled_mass
 from .kernels import stress_particles
@@ -33,7 +33,7 @@ class Measures(NamedTuple):
     """What a stretch of steps ended with."""
 
     unbalanced_ratio: float  # root of the sum of squares of unbalanced forces over that of the weights [-]
-    mean_displacement: float  # area-weighted mean size of displacement [m]
+    mean_displacement: float  # of what moves, see `Simulation.mean_size` [m]
 
 
 class UnstableError(RuntimeError):
@@ -85,6 +85,7 @@ class Simulation:
         self.mass = scaled_mass(matrix, model.held)
         self.inverse_mass = np.where(model.held, 0.0, 1.0 / self.mass)
         self.gravity_factor = 1.0
+        self.load_factor = 1.0
         self.external = model.weight + model.load
         weight = np.sqrt((model.weight[~model.held] ** 2).sum())
         load = np.sqrt((model.load[~model.held] ** 2).sum())
@@ -93,8 +94,8 @@ class Simulation:
         self.matrix = matrix
         chunks = (model.particles + CHUNK - 1) // CHUNK
         self._sums = np.zeros((chunks, 4))
-        self._area = float(model.particle_area.sum())
         self._kernel = self._compile(energy)
+        self._pilot = ThreadPilot()
         self.state = State.at_rest(model)
         self.begin()
 
@@ -149,7 +150,15 @@ class Simulation:
     def set_gravity(self, factor: float) -> None:
         """Multiply gravity (and its pseudo-static part) by `factor`; loads stay."""
         self.gravity_factor = factor
-        self.external = self.model.weight * factor + self.model.load
+        self._set_external()
+
+    def set_load(self, factor: float) -> None:
+        """Multiply the loads by `factor`; gravity stays."""
+        self.load_factor = factor
+        self._set_external()
+
+    def _set_external(self) -> None:
+        self.external = self.model.weight * self.gravity_factor + self.model.load * self.load_factor
 
     def set_strength(self, factor: float) -> None:
         """Divide the strength of every material by `factor`."""
@@ -165,16 +174,20 @@ class Simulation:
             A force or displacement is no longer finite.
         """
         model, state = self.model, self.state
-        start = time.perf_counter()
         known = len(self._kernel.relax.signatures)
+        self._pilot.choose()
+        start = time.perf_counter()
         state.damping, unbalanced, damped = self._kernel.relax(
             steps, self.damping_ratio, state.damping, self.external, self.inverse_mass,
             *model.point_gradient, model.point_area, model.point_material, self.table,
             *model.particle_gradient,
             state.velocity, state.displacement, state.force, state.stress, state.dissipation, self._sums,
         )  # fmt: skip
+        seconds = time.perf_counter() - start
         if len(self._kernel.relax.signatures) > known:
-            add_compile_seconds(time.perf_counter() - start)
+            add_compile_seconds(seconds)
+        else:
+            self._pilot.learn(seconds / steps)
         state.steps += steps
         state.damping_work += damped
         displacement = self.mean_size(state.displacement)
@@ -193,9 +206,14 @@ class Simulation:
         return measures
 
     def mean_size(self, displacement: Floats) -> float:
-        """Area-weighted mean of |displacement| (n, 2) [m]."""
+        """Mean of |displacement| (n, 2) over what moves [m]: sum of A u^2 over sum of A u.
+
+        Weighted by itself, so that a slab that falls off a large section counts as what it is: a plain mean over
+        the section would hardly notice it.
+        """
         size = np.sqrt((displacement**2).sum(axis=1))
-        return float((size * self.model.particle_area).sum() / self.model.particle_area.sum())
+        moved = float((size * self.model.particle_area).sum())
+        return float((size**2 * self.model.particle_area).sum()) / moved if moved > 0.0 else 0.0
 
     def particle_stress(self) -> Floats:
         """Stress and plastic shear strain of every particle (n, 4): the area-weighted mean of its stress points."""

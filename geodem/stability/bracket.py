@@ -23,12 +23,12 @@ class Trial:
     unbalanced : float
         Unbalanced force ratio at the end [-].
     displacement : float
-        Mean displacement from the settled state at the end [m].
+        Mean displacement of what moves, from the settled state, at the end [m].
     particles : int
     model : "coarse" or "fine"
     seconds : float
         Wall time (never used in a decision).
-    history : list of (steps, unbalanced force ratio, mean displacement [m])
+    history : list of (steps, unbalanced force ratio [-], displacement of what moves [m])
     """
 
     factor: float

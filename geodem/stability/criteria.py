@@ -23,7 +23,10 @@ class Criteria:
     stable_ratio : float
         Stable when the unbalanced force ratio falls below this [-].
     failed_settlements : float
-        Failed when the mean displacement passes this many elastic settlements u_s [-].
+        Failed when what moves has moved more than this many elastic settlements u_s [-] ...
+    steady : float
+        ... and the unbalanced force is still above this share of what it was at half that displacement [-]: what
+        comes to rest after a long way has not failed.
     growing : float
         At the step limit: failed when the displacement of the last quarter of the steps is above this share of
         that of the quarter before [-] ...
@@ -36,7 +39,8 @@ class Criteria:
     """
 
     stable_ratio: float = 1e-5
-    failed_settlements: float = 5.0
+    failed_settlements: float = 10.0
+    steady: float = 0.8
     growing: float = 0.7
     growing_settlements: float = 0.02
     steps_per_length: float = 300.0
@@ -54,15 +58,15 @@ class Criteria:
 
         Parameters
         ----------
-        history : sequence of (steps, unbalanced force ratio [-], mean displacement [m])
+        history : sequence of (steps, unbalanced force ratio [-], displacement of what moves [m])
             One entry per batch.
         settlement : float
-            u_s, mean elastic displacement under gravity [m].
+            u_s, the elastic settlement under gravity by the same measure [m].
         max_steps : int
         """
         steps, ratio, displacement = history[-1]
-        if displacement > self.failed_settlements * settlement:
-            return "failed", f"mean displacement above {self.failed_settlements:g} elastic settlements"
+        if displacement > self.failed_settlements * settlement and self._is_steady(history):
+            return "failed", f"moved more than {self.failed_settlements:g} elastic settlements, not slowing down"
         if ratio < self.stable_ratio:
             return "stable", f"unbalanced force below {self.stable_ratio:g} of the weight"
         if steps < max_steps:
@@ -73,3 +77,9 @@ class Criteria:
         if last > self.growing * before and last > self.growing_settlements * settlement:
             return "failed", f"still growing after {steps} steps"
         return "undecided", f"neither at rest nor growing after {steps} steps"
+
+    def _is_steady(self, history: Sequence[tuple[int, float, float]]) -> bool:
+        """Whether the unbalanced force held its size while the displacement doubled."""
+        _, ratio, displacement = history[-1]
+        earlier = next(entry for entry in history if entry[2] >= 0.5 * displacement)
+        return ratio >= self.steady * earlier[1]

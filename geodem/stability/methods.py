@@ -1,6 +1,6 @@
-"""What a factor does to the ground: two methods that a search can drive.
+"""What a factor does to the ground: the methods that a search can drive.
 
-A gravity factor is a load factor. It equals the factor of safety only where friction is zero or both are one.
+A gravity factor is a load factor, and so is that of a load. It equals the factor of safety only where friction is zero or both are one.
 """
 
 from __future__ import annotations
@@ -77,6 +77,34 @@ class GravityIncrease:
         return simulation.elastic.mean_displacement + (factor - 1.0) * self._unit.mean_displacement
 
 
+class LoadIncrease:
+    """Loads times the factor, gravity and strength kept: the bearing capacity over the load. A load factor."""
+
+    kind: ClassVar[str] = "load-increase"
+    meaning: ClassVar[str] = "load factor: load at which the ground fails over the load given; not a factor of safety"
+    limits: ClassVar[tuple[float, float]] = (0.02, 1000.0)
+
+    def __init__(self, simulation: Simulation) -> None:
+        weightless = not simulation.model.weight.any()
+        self._unit = simulation.elastic if weightless else simulation.solve(simulation.model.load, simulation.matrix)
+
+    def apply(self, simulation: Simulation, factor: float) -> None:
+        """Multiply the loads by `factor`."""
+        simulation.set_load(factor)
+
+    def stress_at(self, simulation: Simulation, stress: Floats, at: float, factor: float) -> Floats:
+        """The elastic answer to the added load is solved, not relaxed; the yield condition then corrects it."""
+        return stress + (factor - at) * self._unit.stress
+
+    def settlement(self, simulation: Simulation, factor: float) -> float:
+        """Mean elastic displacement under gravity and the increased loads [m]."""
+        return simulation.elastic.mean_displacement + (factor - 1.0) * self._unit.mean_displacement
+
+
 def make_method(kind: str, simulation: Simulation) -> Method:
     """The method of that name for one simulation."""
-    return StrengthReduction() if kind == StrengthReduction.kind else GravityIncrease(simulation)
+    if kind == GravityIncrease.kind:
+        return GravityIncrease(simulation)
+    if kind == LoadIncrease.kind:
+        return LoadIncrease(simulation)
+    return StrengthReduction()

@@ -1,0 +1,62 @@
+# make slope   set everything up and run the main job: a slope read from a picture, both methods
+# make test    set everything up and run the tests
+# Both can be repeated: what is there already is not done again.
+
+PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
+	$$p -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
+VENV := .venv
+BIN := $(VENV)/bin
+SUDO := $(shell [ "$$(id -u)" = 0 ] || command -v sudo)
+# off-screen pictures need the GL libraries; libgomp runs the parallel kernels
+LIBRARIES := libgl1 libglu1-mesa libosmesa6 libxrender1 libgomp1
+CASE ?= workflows/slope_from_picture
+OUT ?= runs/slope
+
+.PHONY: slope test lint docs bench clean
+
+slope: $(VENV)/run.done
+	@$(BIN)/geodem run $(CASE) --out $(OUT)
+
+test: $(VENV)/dev.done lint
+	@$(BIN)/python -m pytest tests
+
+lint: $(VENV)/dev.done
+	@$(BIN)/ruff check geodem reference workflows tests
+	@$(BIN)/mypy
+	@$(BIN)/lint-imports
+
+docs: $(VENV)/dev.done
+	@$(BIN)/python -m mkdocs build --strict --quiet
+
+bench: $(VENV)/dev.done
+	@$(BIN)/python -m reference bench slopes
+
+# a virtual environment, made only where Python can make one: Debian keeps that part in a package of its own
+$(VENV)/bin/python:
+	@if [ -z "$(PYTHON)" ]; then $(MAKE) --no-print-directory python; fi
+	@p="$(PYTHON)"; "$${p:-python3}" -m venv $(VENV)
+	@$(BIN)/pip install --quiet --disable-pip-version-check --upgrade pip
+
+.PHONY: python
+python:
+	@echo "installing python3-venv"
+	@$(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq python3 python3-venv > /dev/null
+
+$(VENV)/libraries.done: | $(VENV)/bin/python
+	@if command -v apt-get > /dev/null && ! dpkg -s $(LIBRARIES) > /dev/null 2>&1; then \
+		echo "installing $(LIBRARIES)"; \
+		$(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq $(LIBRARIES) > /dev/null; fi
+	@touch $@
+
+$(VENV)/run.done: pyproject.toml $(VENV)/libraries.done | $(VENV)/bin/python
+	@echo "installing geodem and what it needs"
+	@$(BIN)/pip install --quiet --disable-pip-version-check -e .
+	@touch $@
+
+$(VENV)/dev.done: pyproject.toml $(VENV)/libraries.done | $(VENV)/bin/python
+	@echo "installing geodem with what its tests need"
+	@$(BIN)/pip install --quiet --disable-pip-version-check -e '.[dev]'
+	@touch $@ $(VENV)/run.done
+
+clean:
+	rm -rf $(VENV) runs build dist *.egg-info site
