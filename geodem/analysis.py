@@ -6,58 +6,47 @@ with the same bits as one that was not.
 
 from __future__ import annotations
 
-import hashlib
 import math
-import platform
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from . import __version__
-from ._jit import compile_seconds, set_threads
-from .builders.ground import GroundProperties, Surcharge, build_ground
-from .builders.particles import Particles, fill_section
+from ._jit import compile_seconds
+from .building import case_identity, make_model, make_particles, make_section
+from .builders.particles import Particles
 from .builders.section import Section
-from .case import Case, ImageSection, RegionSection
+from .case import Case
 from .errors import InputError, StoppedError
-from .io.checkpoint import checksum, read_checkpoint, write_checkpoint
+from .io.checkpoint import read_checkpoint, write_checkpoint
 from .laws import GROUND_LAWS
-from .measure.energy import EnergyAccount
 from .measure.failing_zone import FailingZone, failing_zone
 from .model import Model
+from .provenance import sources_digest
+from .record import MethodRecord
 from .simulation import Simulation
-from .stability.bracket import Bracket, Trial, bracket
+from .stability.bracket import bracket
 from .stability.criteria import Criteria
 from .stability.methods import GravityIncrease, StrengthReduction, make_method
 from .stability.search import Progress, Search, Snapshot
-from .state import FIELDS, State
-
-Floats = NDArray[np.float64]
 
 COARSE_PARTICLES = 1000
-COARSE_BELOW = 0.6
-"""A coarse model is used where it has at most this share of the fine model's particles."""
+LEVEL_RATIO = 4.0
+"""Brackets are found on about a thousand particles and carried to the fine model in steps of about this ratio."""
 
-COARSE_TOLERANCE = 0.01
+SMALLEST_RATIO = 1.6
+"""A fine model with fewer coarse models' particles than this is searched directly."""
+
+COARSE_TOLERANCE = 0.005
 FIRST_STEP = 0.3
-FINE_STEP = {StrengthReduction.kind: 0.01, GravityIncrease.kind: 0.02}
-FINE_START = {StrengthReduction.kind: 0.995, GravityIncrease.kind: 0.97}
-"""Where the fine search starts, over the coarse factor: coarse particles are a little too strong, and more so for
-gravity increase."""
-
-QUICK_PARTICLES = 1000
-QUICK_TOLERANCE = 0.02
+NEXT_STEP = {StrengthReduction.kind: 0.005, GravityIncrease.kind: 0.015}
+NEXT_START = {StrengthReduction.kind: 0.995, GravityIncrease.kind: 0.98}
+"""Where a finer search starts, over the factor of the coarser one, whose particles are a little too strong, and more so
+for gravity increase; and its first step."""
 
 CHECKPOINT_SECONDS = 5.0
-
-DILATION_GAP = math.radians(15.0)
-"""Dilation this far below friction makes the factor depend on mesh and damping."""
 
 
 class Update(NamedTuple):
@@ -67,66 +56,6 @@ class Update(NamedTuple):
     text: str
     progress: Progress | None = None
     seconds_left: float = math.nan
-
-
-@dataclass
-class MethodRecord:
-    """What is known of one method: all of it goes into the checkpoint."""
-
-    kind: str
-    coarse: list[Trial] = field(default_factory=list)
-    fine: list[Trial] = field(default_factory=list)
-    stable: Snapshot | None = None
-    failed: Snapshot | None = None
-    current: float | None = None
-    history: list[tuple[int, float, float]] = field(default_factory=list)
-    state: State | None = None
-    zero_dilation: list[Trial] = field(default_factory=list)
-    done: bool = False
-
-    def to_tree(self) -> dict[str, Any]:
-        """As a checkpoint tree."""
-        tree: dict[str, Any] = {
-            "kind": self.kind,
-            "coarse": [t.as_dict(history=True) for t in self.coarse],
-            "fine": [t.as_dict(history=True) for t in self.fine],
-            "zero_dilation": [t.as_dict(history=True) for t in self.zero_dilation],
-            "current": self.current,
-            "history": self.history,
-            "done": self.done,
-        }
-        for name, snapshot in (("stable", self.stable), ("failed", self.failed)):
-            if snapshot is not None:
-                tree[name] = {
-                    "factor": snapshot.factor,
-                    "energy": list(snapshot.energy),
-                    "state": _state_tree(snapshot.state),
-                }
-        if self.state is not None and self.current is not None:
-            tree["state"] = _state_tree(self.state)
-        return tree
-
-    @classmethod
-    def from_tree(cls, tree: Mapping[str, Any]) -> MethodRecord:
-        """From a checkpoint tree."""
-        snapshots = {
-            name: Snapshot(
-                tree[name]["factor"], _state_from(tree[name]["state"]), EnergyAccount(*tree[name]["energy"])
-            )
-            for name in ("stable", "failed")
-            if name in tree
-        }
-        return cls(
-            kind=tree["kind"],
-            coarse=[_trial(t) for t in tree["coarse"]],
-            fine=[_trial(t) for t in tree["fine"]],
-            zero_dilation=[_trial(t) for t in tree["zero_dilation"]],
-            current=tree["current"],
-            history=[(int(a), b, c) for a, b, c in tree["history"]],
-            state=_state_from(tree["state"]) if "state" in tree else None,
-            done=tree["done"],
-            **snapshots,
-        )
 
 
 class Analysis:
@@ -155,7 +84,6 @@ class Analysis:
         self.folder = folder
         self.watch = watch or (lambda update: None)
         self.stop_asked = stop_asked or (lambda: False)
-        self.warnings: list[str] = []
         self.section: Section | None = None
         self.particles: Particles | None = None
         self.model: Model | None = None
@@ -163,10 +91,12 @@ class Analysis:
         self.criteria = Criteria()
         self.seconds = 0.0
         self.compile_seconds = 0.0
+        self.seconds_to_first_step: float | None = None
         self._started = time.perf_counter()
         self._compiled_before = compile_seconds()
         self._saved = 0.0
         self._coarse: Model | None = None
+        self._coarse_count: int | None = None
         self.bracketed = False
         self.focus = 1.0
 
@@ -189,53 +119,13 @@ class Analysis:
 
     def _use(self, particles: Particles) -> None:
         self.particles = particles
-        self.model = self._ground(particles)
+        self.model = make_model(self.case, particles)
 
     def _fill(
         self, particles: int | None, spacing: float | None, focus: FailingZone | None = None
     ) -> Particles:
         assert self.section is not None
-        spec = self.case.section
-        points = [point for s in self.case.loads.surcharge for point in (s.start, s.end)]
-        return fill_section(
-            self.section,
-            particles=particles,
-            spacing=spacing,
-            packing=self.case.packing,
-            seed=self.case.seed,
-            layers=spec.layers,
-            thin=spec.thin,
-            refine=_refinements(self.section, spec),
-            focus=() if focus is None else [focus],
-            points=points,
-        )
-
-    def _ground(self, particles: Particles) -> Model:
-        case = self.case
-        boundary = {side: getattr(case.boundary, side) for side in ("left", "right", "bottom", "top")}
-        return build_ground(
-            particles,
-            {name: ground_properties(material) for name, material in case.materials.items()},
-            boundary=boundary,
-            horizontal_acceleration=case.loads.horizontal_acceleration,
-            surcharges=[Surcharge(s.start, s.end, s.pressure) for s in case.loads.surcharge],
-        )
-
-    def coarse_model(self) -> Model | None:
-        """A model of about a thousand particles to bracket on; None where the fine one is hardly larger."""
-        assert self.model is not None
-        if self._coarse is None:
-            if self.model.particles * COARSE_BELOW < COARSE_PARTICLES:
-                return None
-            for count in (COARSE_PARTICLES, 2 * COARSE_PARTICLES, 4 * COARSE_PARTICLES):
-                if count > self.model.particles * COARSE_BELOW:
-                    return None
-                try:
-                    self._coarse = self._ground(self._fill(count, None))
-                    break
-                except InputError:
-                    continue  # a thin seam takes more particles than that
-        return self._coarse
+        return make_particles(self.case, self.section, particles=particles, spacing=spacing, focus=focus)
 
     # --- searching ----------------------------------------------------------------------------------------------
 
@@ -260,44 +150,67 @@ class Analysis:
             self.save()
 
     def _bracket_coarsely(self) -> None:
-        """Bracket every method on the coarse model, then place the particles anew where it failed."""
-        coarse = self.coarse_model()
-        failed = []
-        if coarse is not None:
-            for record in self.records.values():
-                snapshot = self._search_coarse(record, coarse)
-                failed += [] if snapshot is None else [snapshot.state]
+        """Bracket every method on ever finer models, each with its particles where the one before failed."""
+        for record in self.records.values():  # a run that was stopped here begins them again
+            record.coarse, record.coarse_value = [], None
+        zone = None
+        for count in self._levels():
+            try:
+                model = make_model(self.case, self._fill(count, None, zone))
+            except InputError:
+                continue  # a thin seam takes more particles than that
+            if self._coarse is None:
+                self._coarse, self._coarse_count = model, count
+            found = [self._search_coarse(record, model) for record in self.records.values()]
             # a given spacing is the user's word; a given number leaves open where the particles are
-            zone = failing_zone(coarse, failed) if self.case.particles is not None else None
-            if zone is not None:
-                self.watch(Update("build", "placing particles where the coarse model failed"))
-                self.focus = zone.ratio
-                self._use(self._fill(self.case.particles, None, zone))
+            if self.case.particles is not None:
+                zone = failing_zone(model, [snapshot.state for snapshot in found if snapshot is not None])
+        if zone is not None:
+            self.watch(Update("build", "placing particles where the coarse model failed"))
+            self.focus = zone.ratio
+            self._use(self._fill(self.case.particles, None, zone))
         self.bracketed = True
         self.save()
+
+    def _levels(self) -> list[int]:
+        """Numbers of particles of the models to bracket on, in equal ratios; none where the fine model is small."""
+        assert self.model is not None
+        ratio = self.model.particles / COARSE_PARTICLES
+        if ratio < SMALLEST_RATIO:
+            return []
+        levels = max(1, round(math.log(ratio) / math.log(LEVEL_RATIO)))
+        return [round(COARSE_PARTICLES * ratio ** (level / levels)) for level in range(levels)]
+
+    def _coarsest(self) -> Model:
+        """The first model that was bracketed on, made again where a run was resumed; else the fine one."""
+        assert self.model is not None
+        if self._coarse is None and self._coarse_count is not None:
+            self._coarse = make_model(self.case, self._fill(self._coarse_count, None))
+        return self._coarse or self.model
 
     def _frictional(self) -> list[Any]:
         return [m for m in self.case.materials.values() if m.friction_angle > 0.0]
 
-    def _search_coarse(self, record: MethodRecord, coarse: Model) -> Snapshot | None:
-        """Bracket one method on the coarse model; returns its lowest failed state."""
-        simulation = Simulation(coarse, energy=False)
+    def _search_coarse(self, record: MethodRecord, model: Model) -> Snapshot | None:
+        """Bracket one method on a coarse model; returns its lowest failed state."""
+        simulation = Simulation(model, energy=False)
+        found = record.coarse_value
         search = Search(
             simulation,
             make_method(record.kind, simulation),
             self.criteria,
             tolerance=max(COARSE_TOLERANCE, self.case.tolerance),
-            step=FIRST_STEP,
+            start=1.0 if found is None else round(NEXT_START[record.kind] * found, 4),
+            step=FIRST_STEP if found is None else NEXT_STEP[record.kind],
             model="coarse",
         )
-        search.run(self._on_coarse_batch)
-        record.coarse = search.trials
+        record.coarse_value = search.run(self._on_coarse_batch).value
+        record.coarse += search.trials
         return search.failed
 
     def _search_zero_dilation(self, record: MethodRecord) -> None:
         """The same with psi = 0, on the coarse model: what the silent choice psi = phi is worth."""
-        model = self.coarse_model() or self.model
-        assert model is not None
+        model = self._coarsest()
         flat = model.with_parameters([GROUND_LAWS[model.law].without_dilation(p) for p in model.parameters])
         simulation = Simulation(flat, energy=False)
         found = bracket(record.fine).value
@@ -316,8 +229,8 @@ class Analysis:
     def _search_fine(self, record: MethodRecord) -> None:
         assert self.model is not None
         simulation = Simulation(self.model)
-        found = bracket(record.coarse).value
-        start, step = (1.0, FIRST_STEP) if found is None else (FINE_START[record.kind] * found, FINE_STEP[record.kind])
+        found, kind = record.coarse_value, record.kind
+        start, step = (1.0, FIRST_STEP) if found is None else (NEXT_START[kind] * found, NEXT_STEP[kind])
         search = Search(
             simulation,
             make_method(record.kind, simulation),
@@ -357,13 +270,16 @@ class Analysis:
             raise StoppedError("stopped while bracketing on the coarse model")
 
     def _tell(self, search: Search) -> None:
+        if self.seconds_to_first_step is None:
+            self.seconds_to_first_step = self.wall_seconds()
         progress = search.progress()
         left = progress.seconds_left
         waiting = sum(not r.done for r in self.records.values()) - 1
         if waiting > 0:
             so_far = sum(t.seconds for t in search.trials) + search.seconds
             left += waiting * (so_far + left)
-        self.watch(Update("search", search.method.kind, progress, left))
+        text = f"{search.method.kind} on {search.simulation.model.particles:,} particles"
+        self.watch(Update("search", text, progress, left))
 
     # --- checkpoints --------------------------------------------------------------------------------------------
 
@@ -381,7 +297,9 @@ class Analysis:
         return {
             "geodem": __version__,
             "sources": sources_digest(),
-            "case": self.case.text,
+            "case": case_identity(self.case),
+            "notices": list(self.case.notices),
+            "questions": list(self.case.questions),
             "mesh": {
                 "positions": particles.positions,
                 "triangles": particles.triangles,
@@ -393,9 +311,11 @@ class Analysis:
             },
             "bracketed": self.bracketed,
             "focus": self.focus,
+            "coarse_count": self._coarse_count,
             "methods": {kind: record.to_tree() for kind, record in self.records.items()},
             "seconds": self.wall_seconds(),
             "compile_seconds": self.compiled_seconds(),
+            "seconds_to_first_step": self.seconds_to_first_step,
         }
 
     @classmethod
@@ -415,6 +335,14 @@ class Analysis:
                 f"it was written by another geodem ({tree['geodem']}), whose numbers may differ",
                 "Run the case again: geodem run CASE --out DIR --overwrite",
             )
+        if tree["case"] != case_identity(case):
+            raise InputError(
+                str(folder / "case.toml"),
+                "the case or its picture is not what the checkpoint beside it was made of",
+                "Undo the change, or run it as a case of its own: geodem run CASE --out ANOTHER",
+            )
+        # the file in the folder has every default written out, so what was taken by default is known here only
+        case = replace(case, notices=tuple(tree["notices"]), questions=tuple(tree["questions"]))
         self = cls(case, folder, **options)
         mesh = tree["mesh"]
         self.section = make_section(case)
@@ -427,10 +355,12 @@ class Analysis:
             spacing=mesh["spacing"],
             messages=tuple(mesh["messages"]),
         )
-        self.model = self._ground(self.particles)
+        self.model = make_model(self.case, self.particles)
         self.records = {kind: MethodRecord.from_tree(tree["methods"][kind]) for kind in case.methods}
         self.bracketed, self.focus = tree["bracketed"], tree["focus"]
+        self._coarse_count = tree["coarse_count"]
         self.seconds, self.compile_seconds = tree["seconds"], tree["compile_seconds"]
+        self.seconds_to_first_step = tree["seconds_to_first_step"]
         return self
 
     def wall_seconds(self) -> float:
@@ -441,238 +371,6 @@ class Analysis:
         """Of that, compiling [s]."""
         return self.compile_seconds + compile_seconds() - self._compiled_before
 
-    # --- result -------------------------------------------------------------------------------------------------
-
     def done(self) -> bool:
         """Whether every method has its factor."""
         return bool(self.records) and all(record.done for record in self.records.values())
-
-    def result(self) -> dict[str, Any]:
-        """The content of result.json (DESIGN: contracts), without neighbours."""
-        case, model, particles = self.case, self.model, self.particles
-        assert model is not None
-        assert particles is not None
-        factors = [factor_entry(record, self.case) for record in self.records.values()]
-        energy_of = next((r.failed for r in self.records.values() if r.failed is not None), None)
-        steps = sum(t.steps for r in self.records.values() for t in (*r.coarse, *r.fine, *r.zero_dilation))
-        final = {
-            kind: {"stable": _arrays(record.stable), "failed": _arrays(record.failed)}
-            for kind, record in self.records.items()
-        }
-        return {
-            "workflow": case.workflow,
-            "title": case.title,
-            "status": "done" if self.done() else "stopped",
-            "kind_of_result": "static: quasi-static relaxation, times have no physical meaning",
-            "particles": model.particles,
-            "stress_points": model.stress_points,
-            "spacing_m": particles.spacing,
-            "dimension": 2,
-            "factors": factors,
-            "steps": steps,
-            "wall_time_s": round(self.wall_seconds(), 3),
-            "compile_time_s": round(self.compiled_seconds(), 3),
-            "threads": set_threads(None),
-            "seed": case.seed,
-            "tolerance": case.tolerance,
-            "energy": {} if energy_of is None else energy_entry(energy_of),
-            "cracks": {"tension": 0, "shear": 0},
-            "reference": None
-            if case.reference is None
-            else {"factor": case.reference.factor, "source": case.reference.source},
-            "versions": versions(),
-            "spacing_where_it_failed": self.focus,
-            "notices": [*case.notices, *particles.messages, *self._focus_notice()],
-            "warnings": [*case.questions, *self.warnings, *dilation_warnings(case), *bracket_warnings(factors)],
-            "digest": checksum(
-                {"mesh": particles.positions, "trials": [_decided(r) for r in self.records.values()], "final": final}
-            ),
-        }
-
-    def _focus_notice(self) -> list[str]:
-        if self.focus >= 1.0:
-            return []
-        return [
-            f"particles are {1.0 / self.focus:.2g} times as fine where the coarse model failed as elsewhere; a given "
-            "spacing instead of a number of particles keeps them uniform"
-        ]
-
-
-# --- pieces -----------------------------------------------------------------------------------------------------
-
-
-def make_section(case: Case) -> Section:
-    """The section of a case, from its polygons or its picture."""
-    spec = case.section
-    if isinstance(spec, RegionSection):
-        return Section.from_polygons(spec.regions)
-    from .builders.from_image import section_from_image
-
-    return section_from_image(
-        spec.image,
-        scale=spec.scale,
-        legend=spec.legend,
-        background=spec.background,
-        y_axis=spec.y_axis,
-        origin=spec.origin,
-    )
-
-
-def _refinements(section: Section, spec: RegionSection | ImageSection) -> list[tuple[Any, float]]:
-    from shapely import box, union_all
-
-    chosen = []
-    for refinement in spec.refine:
-        if refinement.box is not None:
-            where = box(*refinement.box)
-        else:
-            where = union_all([r.polygon for r in section.regions if r.material == refinement.material])
-        chosen.append((where, refinement.spacing))
-    return chosen
-
-
-def ground_properties(material: Any) -> GroundProperties:
-    """Density and law parameters of a material of the case file."""
-    parameters = GROUND_LAWS[material.law].parameters(
-        young_modulus=material.young_modulus,
-        poisson_ratio=material.poisson_ratio,
-        cohesion=material.cohesion,
-        friction_angle=material.friction_angle,
-        dilation_angle=material.dilation_angle,
-        tensile_strength=material.tensile_strength,
-    )
-    return GroundProperties(material.density, material.law, parameters)
-
-
-def factor_entry(record: MethodRecord, case: Case) -> dict[str, Any]:
-    """One entry of result.json's factors."""
-    now = bracket(record.fine)
-    method = StrengthReduction if record.kind == StrengthReduction.kind else GravityIncrease
-    decided = {t.factor: t.criterion for t in record.fine}
-    criterion = "; ".join(
-        f"{word} at {factor:.5g}: {decided[factor]}"
-        for word, factor in (("stable", now.stable), ("failed", now.failed))
-        if factor is not None
-    )
-    entry: dict[str, Any] = {
-        "kind": record.kind,
-        "meaning": method.meaning,
-        "value": now.value,
-        "stable": now.stable,
-        "failed": now.failed,
-        "undecided": list(now.undecided),
-        "criterion": criterion,
-        "trials": [t.as_dict() for t in (*record.coarse, *record.fine)],
-        "finished": record.done,
-    }
-    if record.zero_dilation:
-        flat = bracket(record.zero_dilation)
-        entry["zero_dilation"] = {
-            "value": flat.value,
-            "stable": flat.stable,
-            "failed": flat.failed,
-            "undecided": list(flat.undecided),
-            "particles": record.zero_dilation[0].particles,
-            "meaning": "the same with a dilation angle of zero; depends on the mesh",
-        }
-    return entry
-
-
-def bracket_warnings(factors: list[dict[str, Any]]) -> list[str]:
-    """What a reader must know of brackets that are open or hold undecided trials."""
-    warnings = []
-    for entry in factors:
-        kind = entry["kind"]
-        if not entry["finished"]:
-            warnings.append(f"{kind}: the search was stopped before its bracket was closed; resume it")
-        elif entry["failed"] is None:
-            warnings.append(f"{kind}: nothing failed up to a factor of {entry['stable']:g}")
-        elif entry["stable"] is None:
-            warnings.append(f"{kind}: no stable state was found down to a factor of {entry['failed']:g}")
-        if entry["undecided"]:
-            text = ", ".join(f"{factor:.4g}" for factor in entry["undecided"])
-            warnings.append(f"{kind}: undecided at {text} (neither at rest nor failing); the bracket includes them")
-    return warnings
-
-
-def dilation_warnings(case: Case) -> list[str]:
-    """Materials whose dilation is so far below their friction that the factor depends on the mesh."""
-    return [
-        f"material.{m.name}: dilation angle {math.degrees(m.dilation_angle):.3g} deg is far below the friction angle "
-        f"{math.degrees(m.friction_angle):.3g} deg: the factor is mesh-dependent"
-        for m in case.materials.values()
-        if m.friction_angle - m.dilation_angle > DILATION_GAP
-    ]
-
-
-def energy_entry(snapshot: Snapshot) -> dict[str, float]:
-    """The energy account of a failed trial, from its start [J per m of length]."""
-    account = snapshot.energy
-    return {
-        "factor": snapshot.factor,
-        "external_work_J_per_m": account.external_work,
-        "elastic_J_per_m": account.elastic,
-        "plastic_J_per_m": account.plastic,
-        "damping_J_per_m": account.damping,
-        "kinetic_J_per_m": account.kinetic,
-        "closure": account.closure,
-    }
-
-
-def versions() -> dict[str, str]:
-    """Versions of what the numbers depend on."""
-    import numba
-    import scipy
-
-    return {
-        "geodem": __version__,
-        "python": platform.python_version(),
-        "numpy": np.__version__,
-        "scipy": scipy.__version__,
-        "numba": numba.__version__,
-    }
-
-
-@lru_cache(maxsize=1)
-def sources_digest() -> str:
-    """Hash of geodem's own sources: a checkpoint is continued only by the code that began it."""
-    digest = hashlib.sha256()
-    root = Path(__file__).parent
-    for path in sorted(root.rglob("*.py")):
-        digest.update(str(path.relative_to(root)).encode())
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-def quick(case: Case) -> Case:
-    """A coarser version of a case, for a first look."""
-    particles = min(case.particles or QUICK_PARTICLES, QUICK_PARTICLES)
-    tolerance = max(case.tolerance, QUICK_TOLERANCE)
-    notice = f"--quick: {particles} particles and a tolerance of {tolerance:g} instead of the case's own"
-    return replace(case, particles=particles, spacing=None, tolerance=tolerance, notices=(*case.notices, notice))
-
-
-def _trial(data: Mapping[str, Any]) -> Trial:
-    history = [(int(a), b, c) for a, b, c in data["history"]]
-    return Trial(**{**data, "history": history})
-
-
-def _decided(record: MethodRecord) -> list[list[Any]]:
-    return [[t.factor, t.verdict, t.steps, t.unbalanced, t.displacement] for t in (*record.coarse, *record.fine)]
-
-
-def _arrays(snapshot: Snapshot | None) -> dict[str, Floats]:
-    return {} if snapshot is None else snapshot.state.arrays()
-
-
-def _state_tree(state: State) -> dict[str, Any]:
-    return {**state.arrays(), "numbers": state.numbers()}
-
-
-def _state_from(tree: Mapping[str, Any]) -> State:
-    return State(**{field.name: tree[field.name] for field in FIELDS}, **tree["numbers"])
-
-
-def bracket_of(record: MethodRecord) -> Bracket:
-    """The bracket of a method's fine search."""
-    return bracket(record.fine)

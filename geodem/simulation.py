@@ -34,6 +34,7 @@ class Measures(NamedTuple):
 
     unbalanced_ratio: float  # root of the sum of squares of unbalanced forces over that of the weights [-]
     mean_displacement: float  # of what moves, see `Simulation.mean_size` [m]
+    moving_share: float  # of the section's area, see `Simulation.moving_share` [-]
 
 
 class UnstableError(RuntimeError):
@@ -196,7 +197,7 @@ class Simulation:
             raise UnstableError(
                 f"step {state.steps}: the force on particle {worst} at {self.model.positions[worst]} m is not finite"
             )
-        return Measures(float(unbalanced) / self.force_scale, displacement)
+        return Measures(float(unbalanced) / self.force_scale, displacement, self.moving_share(state.displacement))
 
     def relax(self, tolerance: float = 1e-6, max_steps: int = 100_000, batch: int = 50) -> Measures:
         """Run until the unbalanced force ratio is below `tolerance`, or `max_steps` are done."""
@@ -214,6 +215,13 @@ class Simulation:
         size = np.sqrt((displacement**2).sum(axis=1))
         moved = float((size * self.model.particle_area).sum())
         return float((size**2 * self.model.particle_area).sum()) / moved if moved > 0.0 else 0.0
+
+    def moving_share(self, displacement: Floats) -> float:
+        """Share of the section's area that moves [-]: (sum of A u)^2 over (sum of A) (sum of A u^2)."""
+        size = np.sqrt((displacement**2).sum(axis=1))
+        area = self.model.particle_area
+        square = float((size**2 * area).sum())
+        return float((size * area).sum()) ** 2 / (float(area.sum()) * square) if square > 0.0 else 1.0
 
     def particle_stress(self) -> Floats:
         """Stress and plastic shear strain of every particle (n, 4): the area-weighted mean of its stress points."""

@@ -27,6 +27,10 @@ class Criteria:
     steady : float
         ... and the unbalanced force is still above this share of what it was at half that displacement [-]: what
         comes to rest after a long way has not failed.
+    balanced_ratio : float
+        What has moved that far, or is at the step limit, counts as stable where the unbalanced force is below this
+        share of the weight of what moves [-]: it is in balance for all practical purposes. (The thin slabs that
+        split off ground without tension lean a long way before they rest.)
     growing : float
         At the step limit: failed when the displacement of the last quarter of the steps is above this share of
         that of the quarter before [-] ...
@@ -41,6 +45,7 @@ class Criteria:
     stable_ratio: float = 1e-5
     failed_settlements: float = 10.0
     steady: float = 0.8
+    balanced_ratio: float = 5e-4
     growing: float = 0.7
     growing_settlements: float = 0.02
     steps_per_length: float = 300.0
@@ -52,7 +57,11 @@ class Criteria:
         return max(batches, 80) * self.batch
 
     def judge(
-        self, history: Sequence[tuple[int, float, float]], settlement: float, max_steps: int
+        self,
+        history: Sequence[tuple[int, float, float]],
+        settlement: float,
+        max_steps: int,
+        moving_share: float = 1.0,
     ) -> tuple[Verdict, str] | None:
         """Verdict and the rule that gave it, or None: go on.
 
@@ -63,14 +72,21 @@ class Criteria:
         settlement : float
             u_s, the elastic settlement under gravity by the same measure [m].
         max_steps : int
+        moving_share : float
+            Share of the section that moves [-].
         """
         steps, ratio, displacement = history[-1]
-        if displacement > self.failed_settlements * settlement and self._is_steady(history):
-            return "failed", f"moved more than {self.failed_settlements:g} elastic settlements, not slowing down"
         if ratio < self.stable_ratio:
             return "stable", f"unbalanced force below {self.stable_ratio:g} of the weight"
+        balanced = ratio < self.balanced_ratio * sqrt(moving_share)
+        if displacement > self.failed_settlements * settlement and self._is_steady(history):
+            if balanced:
+                return "stable", f"a long way, but in balance to {self.balanced_ratio:g} of the weight that moves"
+            return "failed", f"moved more than {self.failed_settlements:g} elastic settlements, not slowing down"
         if steps < max_steps:
             return None
+        if balanced:
+            return "stable", f"in balance to {self.balanced_ratio:g} of the weight that moves after {steps} steps"
         quarter = max(1, len(history) // 4)
         last = displacement - history[-1 - quarter][2]
         before = history[-1 - quarter][2] - history[-1 - 2 * quarter][2] if len(history) > 2 * quarter else last

@@ -79,6 +79,7 @@ class Search:
     failed: Snapshot | None = None
     current: float | None = None
     history: list[tuple[int, float, float]] = field(default_factory=list)
+    moving_share: float = 1.0  # at the last look
     seconds: float = 0.0  # of the trial under way
 
     def run(self, on_batch: Callable[[Search], None] | None = None) -> Bracket:
@@ -86,7 +87,8 @@ class Search:
         while self.current is not None or self._begin():
             started = time.perf_counter()
             measures = self.simulation.run(self.criteria.batch)
-            self.history.append((self.simulation.state.steps, *measures))
+            self.history.append((self.simulation.state.steps, measures.unbalanced_ratio, measures.mean_displacement))
+            self.moving_share = measures.moving_share
             self.seconds += time.perf_counter() - started
             self._judge()
             if on_batch is not None:
@@ -129,7 +131,9 @@ class Search:
         factor = self.current
         particles = self.simulation.model.particles
         settlement = self.method.settlement(self.simulation, factor)
-        answer = self.criteria.judge(self.history, settlement, self.criteria.max_steps(particles))
+        answer = self.criteria.judge(
+            self.history, settlement, self.criteria.max_steps(particles), self.moving_share
+        )
         if answer is None:
             return
         verdict, criterion = answer
