@@ -30,9 +30,7 @@ os.environ.setdefault("GOMP_SPINCOUNT", "20000")
 
 # Re-association is fixed at compile time, so bits stay the same on any number of threads. "nnan" and "ninf" are
 # left out: they would let the compiler drop comparisons that meet infinite strengths.
-_OPTIONS = (
-    "cache=True, error_model='numpy', fastmath={'afn', 'arcp', 'contract', 'nsz', 'reassoc'}"
-)
+_OPTIONS = "cache=True, error_model='numpy', fastmath={'afn', 'arcp', 'contract', 'nsz', 'reassoc'}"
 
 _compile_seconds = 0.0
 
@@ -42,7 +40,9 @@ def cache_folder() -> Path:
     named = os.environ.get("GEODEM_CACHE")
     home = os.environ.get("XDG_CACHE_HOME")
     candidates = [Path(named)] if named else [Path(home) if home else Path.home() / ".cache"]
-    candidates.append(Path(tempfile.gettempdir()) / f"geodem-cache-{os.getuid() if hasattr(os, 'getuid') else 0}")
+    candidates.append(
+        Path(tempfile.gettempdir()) / f"geodem-cache-{os.getuid() if hasattr(os, 'getuid') else 0}"
+    )
     for candidate in candidates:
         folder = candidate if named and candidate == candidates[0] else candidate / "geodem" / "kernels"
         try:
@@ -54,13 +54,25 @@ def cache_folder() -> Path:
     return Path(tempfile.mkdtemp(prefix="geodem-kernels-"))
 
 
+_threads: int | None = None
+
+
 def set_threads(threads: int | None) -> int:
-    """Choose the number of threads of all kernels; None keeps what is set. Returns the number in force."""
+    """Choose how many threads kernels may use, at most the cores; None: all. Returns the number."""
+    global _threads
     import numba
 
-    if threads is not None:
-        numba.set_num_threads(min(threads, numba.config.NUMBA_NUM_THREADS))
-    return int(numba.get_num_threads())
+    most = int(numba.config.NUMBA_NUM_THREADS)
+    _threads = most if threads is None else min(threads, most)
+    numba.set_num_threads(_threads)
+    return _threads
+
+
+def threads_allowed() -> int:
+    """How many threads kernels may use; a `ThreadPilot` may have chosen fewer for now."""
+    import numba
+
+    return int(numba.config.NUMBA_NUM_THREADS) if _threads is None else _threads
 
 
 class ThreadPilot:
@@ -74,9 +86,7 @@ class ThreadPilot:
     LOOK_AGAIN_SECONDS = 1.0
 
     def __init__(self) -> None:
-        import numba
-
-        self._all = int(numba.get_num_threads())
+        self._all = threads_allowed()
         self._cost: dict[int, float] = {}  # threads -> seconds per step, lately
         self._tried: dict[int, float] = {}  # threads -> when
         self._now = self._all
@@ -107,12 +117,6 @@ class ThreadPilot:
         self._cost[self._now] = 0.5 * (old + seconds_per_step)
         self._tried[self._now] = time.perf_counter()
 
-    def release(self) -> None:
-        """Give all threads back."""
-        import numba
-
-        numba.set_num_threads(self._all)
-
 
 def compile_seconds() -> float:
     """Seconds that this process has spent compiling kernels or loading them from the cache."""
@@ -125,7 +129,9 @@ def add_compile_seconds(seconds: float) -> None:
     _compile_seconds += seconds
 
 
-def kernel_text(functions: Sequence[Callable[..., Any]], constants: Mapping[str, object], parallel: bool) -> str:
+def kernel_text(
+    functions: Sequence[Callable[..., Any]], constants: Mapping[str, object], parallel: bool
+) -> str:
     """Source of a kernel module: constants first, then each function's own text, in the order given."""
     lines = ['"""Written by geodem._jit; edits are lost."""', "import math", "import numpy as np"]
     lines += ["from numba import njit, prange", ""]

@@ -9,9 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ._jit import cache_folder, set_threads
-from .analysis import Analysis, dilation_warnings, versions
+from .analysis import Analysis
 from .case import load_case
 from .outputs import make_view
+from .provenance import versions
+from .result import dilation_warnings
 from .simulation import Simulation
 from .units import show
 from .workflow import default_folder
@@ -62,7 +64,16 @@ def check_case(path: Path, picture: Path | None, console: Console) -> dict[str, 
     expected = {method: count * per_step for method, count in steps.items()}
 
     table = Table(title=case.title, show_header=True)
-    for head in ("material", "area [m2]", "share", "unit weight", "cohesion", "friction", "dilation", "tension"):
+    for head in (
+        "material",
+        "area [m2]",
+        "share",
+        "unit weight",
+        "cohesion",
+        "friction",
+        "dilation",
+        "tension",
+    ):
         table.add_column(head)
     total = sum(analysis.section.area(name) for name in model.material_names)
     for row in make_view(analysis).material_rows:
@@ -73,9 +84,15 @@ def check_case(path: Path, picture: Path | None, console: Console) -> dict[str, 
         )  # fmt: skip
     console.print(table)
     low, high = model.positions.min(axis=0), model.positions.max(axis=0)
-    console.print(f"section {low[0]:g} to {high[0]:g} m wide, {low[1]:g} to {high[1]:g} m high, {total:.5g} m2")
-    console.print(f"{model.particles} particles ({case.packing}, seed {case.seed}), spacing {analysis.particles.spacing:.4g} m")
-    console.print(f"{len(model.triangles)} triangles, {model.stress_points} stress points, {model.nbytes() / 1e6:.1f} MB")
+    console.print(
+        f"section {low[0]:g} to {high[0]:g} m wide, {low[1]:g} to {high[1]:g} m high, {total:.5g} m2"
+    )
+    console.print(
+        f"{model.particles} particles ({case.packing}, seed {case.seed}), spacing {analysis.particles.spacing:.4g} m"
+    )
+    console.print(
+        f"{len(model.triangles)} triangles, {model.stress_points} stress points, {model.nbytes() / 1e6:.1f} MB"
+    )
     console.print(
         f"elastic settlement under gravity {show(simulation.elastic.mean_displacement, 'length')} in the mean"
     )
@@ -108,4 +125,6 @@ def show_info(console: Console) -> None:
     for name, program in (("YADE", "yade"), ("LIGGGHTS", "liggghts")):
         console.print(f"{name}: {shutil.which(program) or f'not found (Debian: apt-get install {program})'}")
     beside = Path(__file__).resolve().parent.parent / "reference" / "limit_equilibrium.py"
-    console.print(f"limit equilibrium: {'found' if beside.is_file() else 'not found (comes with the source checkout)'}")
+    console.print(
+        f"limit equilibrium: {'found' if beside.is_file() else 'not found (comes with the source checkout)'}"
+    )

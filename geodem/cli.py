@@ -35,9 +35,13 @@ app = typer.Typer(
 console = Console(highlight=False, soft_wrap=True)
 complaints = Console(stderr=True, highlight=False, soft_wrap=True)
 
-CaseArgument = Annotated[Path, typer.Argument(metavar="CASE", help="A case file, or the folder that holds case.toml.")]
+CaseArgument = Annotated[
+    Path, typer.Argument(metavar="CASE", help="A case file, or the folder that holds case.toml.")
+]
 FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="The folder that 'geodem run' wrote to.")]
-ThreadsOption = Annotated[int | None, typer.Option(min=1, help="Threads; all cores if left out. The bits do not change.")]
+ThreadsOption = Annotated[
+    int | None, typer.Option(min=1, help="Threads; all cores if left out. The bits do not change.")
+]
 
 
 @app.command()
@@ -46,7 +50,9 @@ def run(
     out: Annotated[Path | None, typer.Option(help="Folder of the results. [default: NAME-result]")] = None,
     threads: ThreadsOption = None,
     quick: Annotated[bool, typer.Option("--quick", help="About 1,000 particles: a first look.")] = False,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results of another case.")] = False,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace the results of another case.")
+    ] = False,
 ) -> None:
     """Search the factors of a case and write its report."""
     from .workflow import default_folder, run_case
@@ -73,7 +79,9 @@ def resume(folder: FolderArgument, threads: ThreadsOption = None) -> None:
 @app.command()
 def check(
     case: CaseArgument,
-    out: Annotated[Path | None, typer.Option(help="Where the picture goes. [default: NAME-check.png]")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Where the picture goes. [default: NAME-check.png]")
+    ] = None,
 ) -> None:
     """Build a case without running it: picture, counts, memory, expected run time, plausibility."""
     from .checking import check_case
@@ -90,11 +98,17 @@ def new(
     from importlib.resources import files
 
     templates = files("geodem") / "templates"
-    kinds = sorted(entry.name for entry in templates.iterdir() if entry.is_dir() and not entry.name.startswith("_"))
+    kinds = sorted(
+        entry.name for entry in templates.iterdir() if entry.is_dir() and not entry.name.startswith("_")
+    )
     if kind not in kinds:
-        raise InputError("KIND", "there is no such template", f"Choose one of: {', '.join(kinds)}", value=kind)
+        raise InputError(
+            "KIND", "there is no such template", f"Choose one of: {', '.join(kinds)}", value=kind
+        )
     if folder.exists():
-        raise InputError("DIR", "this already exists", "Name a folder that does not exist yet", value=str(folder))
+        raise InputError(
+            "DIR", "this already exists", "Name a folder that does not exist yet", value=str(folder)
+        )
     from .io.files import write_whole
 
     for entry in sorted((templates / kind).iterdir(), key=lambda e: e.name):
@@ -217,7 +231,9 @@ def _tell(result: dict[str, Any], folder: Path) -> None:
     for entry in result["factors"]:
         name = names[entry["kind"]]
         if entry["value"] is None:
-            console.print(f"[bold]{name}[/]: not bracketed (stable {entry['stable']}, failed {entry['failed']})")
+            console.print(
+                f"[bold]{name}[/]: not bracketed (stable {entry['stable']}, failed {entry['failed']})"
+            )
             continue
         line = f"[bold]{name} {entry['value']:.3f}[/] ({entry['kind']}; "
         line += f"stable {entry['stable']:.3f}, failed {entry['failed']:.3f})"
@@ -233,7 +249,6 @@ def _tell(result: dict[str, Any], folder: Path) -> None:
     time_line = f"{result['particles']} particles, {result['steps']} steps, {result['wall_time_s']:.1f} s"
     console.print(f"{time_line}, of which {result['compile_time_s']:.1f} s compiling")
     console.print(f"Report: {folder / 'report.html'}")
-
 
 
 if __name__ == "__main__":

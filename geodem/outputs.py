@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import json
 import math
-import shutil
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .analysis import Analysis, MethodRecord
+from .analysis import Analysis
 from .builders.ground import downhill
+from .building import picture_bytes, portable_text
 from .case import ImageSection
 from .io.files import write_whole
 from .io.history import HistoryWriter
@@ -20,6 +20,9 @@ from .io.vtkhdf import write_vtkhdf
 from .measure.failure import Failure, describe_failure
 from .plotting.report import write_report
 from .plotting.views import MethodView, ReportView
+from .record import MethodRecord
+from .result import assemble
+from .stability.bracket import bracket
 from .stability.search import Snapshot
 from .units import show
 
@@ -38,13 +41,11 @@ HISTORY_COLUMNS = (
 def write_case(analysis: Analysis, folder: Path) -> None:
     """case.toml as it is run, and the picture it names beside it."""
     spec = analysis.case.section
-    text = analysis.case.as_run_text()
     if isinstance(spec, ImageSection):
-        copy = folder / spec.image.name
-        folder.mkdir(parents=True, exist_ok=True)
-        if not copy.exists() or copy.read_bytes() != spec.image.read_bytes():
-            shutil.copyfile(spec.image, copy)
-    write_whole(folder / "case.toml", text)
+        copy, content = folder / spec.image.name, picture_bytes(spec)
+        if not copy.exists() or copy.read_bytes() != content:
+            write_whole(copy, content)
+    write_whole(folder / "case.toml", portable_text(analysis.case))
 
 
 def write_history(analysis: Analysis, folder: Path) -> None:
@@ -56,7 +57,9 @@ def write_history(analysis: Analysis, folder: Path) -> None:
                     writer.write(kind, trial.model, trial.factor, steps, ratio, displacement)
 
 
-def write_outputs(analysis: Analysis, folder: Path, neighbours: dict[str, Any], command: str = "") -> dict[str, Any]:
+def write_outputs(
+    analysis: Analysis, folder: Path, neighbours: dict[str, Any], command: str = ""
+) -> dict[str, Any]:
     """Write everything; returns the content of result.json.
 
     Parameters
@@ -74,12 +77,12 @@ def write_outputs(analysis: Analysis, folder: Path, neighbours: dict[str, Any], 
     InputError
         A file cannot be written.
     """
-    result = analysis.result()
+    result = assemble(analysis)
     result["neighbours"] = neighbours.get("methods", [])
     result["neighbours_why"] = neighbours.get("why", "")
     result["command"] = command
     _attach_reference(result)
-    failures = {kind: _failure(analysis, record) for kind, record in analysis.records.items()}
+    failures = failures_of(analysis)
     for entry in result["factors"]:
         failure = failures[entry["kind"]]
         if failure is not None:
@@ -89,10 +92,28 @@ def write_outputs(analysis: Analysis, folder: Path, neighbours: dict[str, Any], 
                 "largest_displacement_m": float(np.sqrt((failure.displacement**2).sum(axis=1)).max()),
             }
     write_history(analysis, folder)
-    write_frames(analysis, folder)
-    write_whole(folder / "result.json", json.dumps(_finite(result), indent=1, ensure_ascii=False) + "\n")
-    write_report(folder / "report.html", result, make_view(analysis, failures))
+    draw_outputs(analysis, folder, result, failures)
+    # last, so that a result that says "done" has everything beside it
+    result = _finite(result)
+    write_whole(folder / "result.json", json.dumps(result, indent=1, ensure_ascii=False) + "\n")
     return result
+
+
+def draw_outputs(
+    analysis: Analysis,
+    folder: Path,
+    result: dict[str, Any],
+    failures: dict[str, Failure | None] | None = None,
+) -> None:
+    """Frames, figures and report of a result that is known."""
+    failures = failures_of(analysis) if failures is None else failures
+    write_frames(analysis, folder)
+    write_report(folder / "report.html", result, make_view(analysis, failures))
+
+
+def failures_of(analysis: Analysis) -> dict[str, Failure | None]:
+    """Moving mass and slip surface of every method's lowest failed state; None where nothing failed."""
+    return {kind: _failure(analysis, record) for kind, record in analysis.records.items()}
 
 
 def write_frames(analysis: Analysis, folder: Path) -> None:
@@ -119,7 +140,10 @@ def write_frames(analysis: Analysis, folder: Path) -> None:
                     "unbalanced force [N/m]": np.where(model.held, 0.0, snapshot.state.force),
                 },
                 cell_data=cells,
-                field_data={"factor": np.array([snapshot.factor]), "materials": ", ".join(model.material_names)},
+                field_data={
+                    "factor": np.array([snapshot.factor]),
+                    "materials": ", ".join(model.material_names),
+                },
             )
 
 
@@ -144,23 +168,32 @@ def make_view(analysis: Analysis, failures: dict[str, Failure | None] | None = N
         for s in case.loads.surcharge
     ]
     if sideways:
-        loads.append(f"horizontal acceleration {show(abs(sideways), 'acceleration')} out of the slope, pseudo-static")
+        loads.append(
+            f"horizontal acceleration {show(abs(sideways), 'acceleration')} out of the slope, pseudo-static"
+        )
     return ReportView(
         title=case.title,
-        case_text=case.as_run_text(),
+        case_text=portable_text(case),
         positions=model.positions,
         triangles=model.triangles,
         triangle_material=model.triangle_material,
         materials=model.material_names,
         material_rows=[_material_row(case.materials[name]) for name in model.material_names],
         outlines=[
-            (region.material, [np.asarray(ring.coords) for ring in (region.polygon.exterior, *region.polygon.interiors)])
+            (
+                region.material,
+                [np.asarray(ring.coords) for ring in (region.polygon.exterior, *region.polygon.interiors)],
+            )
             for region in section.regions
         ],
         supports={side: getattr(case.boundary, side) for side in ("left", "right", "bottom", "top")},
         loads=loads,
         image_path=spec.image if isinstance(spec, ImageSection) else None,
-        methods=[_method_view(record, failures.get(kind)) for kind, record in analysis.records.items() if record.fine],
+        methods=[
+            _method_view(record, failures.get(kind))
+            for kind, record in analysis.records.items()
+            if record.fine
+        ],
         spacing=particles.spacing,
         surcharges=[(s.start, s.end, s.pressure) for s in case.loads.surcharge],
         horizontal_acceleration=sideways,
@@ -168,8 +201,6 @@ def make_view(analysis: Analysis, failures: dict[str, Failure | None] | None = N
 
 
 def _method_view(record: MethodRecord, failure: Failure | None) -> MethodView:
-    from .stability.bracket import bracket
-
     now = bracket(record.fine)
     trials = [*record.coarse, *record.fine]
     deciding = next((t.criterion for t in record.fine if t.factor == now.failed), "")

@@ -9,14 +9,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from . import __version__
 from ._jit import set_threads
-from .analysis import Analysis, Update, quick, sources_digest
+from .analysis import Analysis, Update
+from .building import case_identity, portable_text, quick
 from .case import Case, load_case
 from .errors import InputError, StoppedError
 from .io.checkpoint import read_checkpoint
-from .io.files import cannot_write
-from .outputs import write_case, write_outputs
+from .io.files import cannot_write, remove_unfinished
+from .outputs import draw_outputs, write_case, write_outputs
+from .provenance import sources_digest
 
 NEIGHBOUR_SECONDS = 60.0
 
@@ -38,7 +39,7 @@ def run_case(
     ----------
     case : path of a case file or of the folder that holds case.toml, or Case
     out : path, optional
-        Folder of the results; next to the case, named after it, if left out.
+        Folder of the results; in the working folder, named after the case, if left out.
     threads : int, optional
         All cores if left out; the bits of the result do not depend on it.
     quickly : bool
@@ -68,14 +69,16 @@ def run_case(
         loaded = quick(loaded)
     folder = Path(out) if out is not None else default_folder(path, quickly)
     set_threads(threads)
-    standing = _standing(folder, loaded)
+    standing = _standing(folder, loaded, path)
     if standing == "other" and not overwrite:
         raise InputError(
             "--out", "the folder holds results of another case", "Choose another folder, or add --overwrite",
             value=str(folder),
         )  # fmt: skip
     if standing == "same" and not overwrite:
-        return resume_case(folder, watch=watch, stop_asked=stop_asked, command=command)
+        return _go_on(
+            Analysis.from_checkpoint(loaded, folder, watch=watch, stop_asked=stop_asked), folder, command
+        )
     analysis = Analysis(loaded, folder, watch=watch, stop_asked=stop_asked)
     analysis.build()
     _make_folder(folder)
@@ -99,7 +102,7 @@ def resume_case(
     Raises
     ------
     InputError
-        No checkpoint there, a damaged one, or one of another version.
+        No checkpoint there, a damaged one, one of another version, or the case beside it was changed.
     StoppedError
         Stopped again.
     """
@@ -107,35 +110,30 @@ def resume_case(
     set_threads(threads)
     read_checkpoint(folder / "checkpoint.h5")  # before the case: its absence explains more
     case = load_case(folder / "case.toml")
-    analysis = Analysis.from_checkpoint(case, folder, watch=watch, stop_asked=stop_asked)
-    written = folder / "result.json"
-    if analysis.done() and written.is_file() and (folder / "report.html").is_file():
-        stored = json.loads(written.read_text())
-        if stored.get("status") == "done":
-            return dict(stored)
-    return _finish(analysis, folder, command)
+    return _go_on(Analysis.from_checkpoint(case, folder, watch=watch, stop_asked=stop_asked), folder, command)
 
 
 def redraw(folder: Path | str) -> Path:
-    """Make the report and the frames again from a folder's checkpoint; returns the report's path.
+    """Make the report, its figures and the frames again from a folder's checkpoint; returns the report's path.
 
     Raises
     ------
     InputError
-        No checkpoint there.
+        No checkpoint there, or one of another version.
     """
     folder = Path(folder)
     read_checkpoint(folder / "checkpoint.h5")
     analysis = Analysis.from_checkpoint(load_case(folder / "case.toml"), folder)
-    written = folder / "result.json"
-    stored = json.loads(written.read_text()) if written.is_file() else {}
-    neighbours = {"methods": stored.get("neighbours", []), "why": stored.get("neighbours_why", "")}
-    write_outputs(analysis, folder, neighbours, stored.get("command", ""))
+    stored = _stored(folder)
+    if stored is None:
+        write_outputs(analysis, folder, {"methods": [], "why": "the run was not finished"})
+    else:
+        draw_outputs(analysis, folder, stored)
     return folder / "report.html"
 
 
 def default_folder(case: Path | None, quickly: bool = False) -> Path:
-    """Where results go when nothing is said: beside the case, named after it."""
+    """Where results go when nothing is said: into the working folder, named after the case."""
     if case is None:
         return Path("result")
     stem = case.resolve().name if case.is_dir() or case.name == "case.toml" else case.stem
@@ -156,7 +154,13 @@ def limit_equilibrium(case_file: Path) -> dict[str, Any]:
     program = [sys.executable, "-m", "reference", "limit-equilibrium", str(case_file.resolve()), "--json"]
     try:
         done = subprocess.run(
-            program, cwd=root, capture_output=True, text=True, timeout=NEIGHBOUR_SECONDS, check=False
+            program,
+            cwd=root,
+            capture_output=True,
+            text=True,
+            timeout=NEIGHBOUR_SECONDS,
+            check=False,
+            start_new_session=True,  # Ctrl-C asks this process to stop, not that one to die
         )
     except subprocess.TimeoutExpired:
         return {"methods": [], "why": f"limit equilibrium did not end within {NEIGHBOUR_SECONDS:g} s"}
@@ -168,11 +172,22 @@ def limit_equilibrium(case_file: Path) -> dict[str, Any]:
     return dict(answer)
 
 
+def _go_on(analysis: Analysis, folder: Path, command: str) -> dict[str, Any]:
+    remove_unfinished(folder)
+    stored = _stored(folder)
+    if analysis.done() and stored is not None and stored.get("status") == "done":
+        if (folder / "report.html").is_file():
+            return stored
+    write_case(analysis, folder)
+    return _finish(analysis, folder, command)
+
+
 def _finish(analysis: Analysis, folder: Path, command: str) -> dict[str, Any]:
     try:
         analysis.search()
     except StoppedError:
-        write_outputs(analysis, folder, {"methods": [], "why": "the run was stopped before it came to this"}, command)
+        why = "the run was stopped before it came to this"
+        write_outputs(analysis, folder, {"methods": [], "why": why}, command)
         raise
     analysis.watch(Update("neighbours", "limit equilibrium"))
     neighbours = limit_equilibrium(folder / "case.toml")
@@ -182,30 +197,65 @@ def _finish(analysis: Analysis, folder: Path, command: str) -> dict[str, Any]:
     return result
 
 
-def _standing(folder: Path, case: Case) -> str | None:
-    """What is in the folder: None (nothing of ours), "same" (this case, this version), or "other"."""
+def _stored(folder: Path) -> dict[str, Any] | None:
+    """What result.json holds; None where there is none that can be read."""
+    try:
+        return dict(json.loads((folder / "result.json").read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError):
+        return None
+
+
+def _standing(folder: Path, case: Case, source: Path | None) -> str | None:
+    """What is in the folder: None (nothing of ours), "same" (this case, this version), "older", or "other".
+
+    Raises
+    ------
+    InputError
+        It is no folder, or a file of the user's would be written over.
+    """
     if not folder.exists():
         return None
     if not folder.is_dir():
         raise InputError("--out", "there is a file of that name", "Choose another folder", value=str(folder))
-    ours = [name for name in ("checkpoint.h5", "result.json") if (folder / name).exists()]
-    if not ours:
+    _spare_users_files(folder, case, source)
+    if not any((folder / name).exists() for name in ("checkpoint.h5", "result.json")):
         return None
     try:
         tree = read_checkpoint(folder / "checkpoint.h5")
-        stored = load_case(folder / "case.toml")
     except InputError:
         return "other"
-    if stored.as_run_text() != case.as_run_text():
+    if tree.get("case") != case_identity(case):
         return "other"
-    if tree["geodem"] != __version__ or tree["sources"] != sources_digest():
-        return "older"
-    return "same"
+    return "same" if tree.get("sources") == sources_digest() else "older"
+
+
+def _spare_users_files(folder: Path, case: Case, source: Path | None) -> None:
+    """Refuse a folder where a case.toml stands that no run has written."""
+    written = folder / "case.toml"
+    if not written.exists():
+        return
+    given = None if source is None else source / "case.toml" if source.is_dir() else source
+    results = any((folder / name).exists() for name in ("checkpoint.h5", "result.json"))
+    own = given is not None and given.exists() and given.samefile(written)
+    text = written.read_text(encoding="utf-8", errors="replace")
+    if (own and text != portable_text(case)) or (not results and text != portable_text(case)):
+        raise InputError(
+            "--out", "the folder holds a case file, which the results would write over",
+            "Choose another folder, such as a new one within it", value=str(folder),
+        )  # fmt: skip
 
 
 def _clear(folder: Path) -> None:
     """Take away what an earlier run wrote, and nothing else."""
-    for pattern in ("result.json", "report.html", "history.csv", "checkpoint.h5", "*.vtkhdf", "figures/*.png"):
+    remove_unfinished(folder)
+    for pattern in (
+        "result.json",
+        "report.html",
+        "history.csv",
+        "checkpoint.h5",
+        "*.vtkhdf",
+        "figures/*.png",
+    ):
         for path in folder.glob(pattern):
             path.unlink()
 

@@ -26,6 +26,14 @@ BYTES_PER_PARTICLE = 1000
 COUNT_TOLERANCE = 0.02
 
 
+class TooFewParticlesError(InputError):
+    """Corners, thin regions or refined places use up all particles; `needed` of them are enough."""
+
+    def __init__(self, problem: str, remedy: str, *, value: int, needed: int) -> None:
+        super().__init__("particles", problem, remedy, value=value)
+        self.needed = needed
+
+
 @dataclass(frozen=True)
 class FillTask:
     """What is asked of a packing, apart from its spacing."""
@@ -167,12 +175,11 @@ def pack_count(task: FillTask, count: int) -> tuple[Draft, Mesh]:
     mesh = settle(task, draft.layout.field, mesh, count)
     found = len(mesh.positions)
     if abs(found - count) > max(COUNT_TOLERANCE * count, 2.0):
-        raise InputError(
-            "particles",
-            f"the corners and boundaries of the section lead to {found} particles",
-            f"Give {found} or more particles, or a spacing instead of their number.",
-            value=count,
-        )
+        problem = f"the corners and boundaries of the section lead to {found} particles"
+        remedy = f"Give {found} or more particles, or a spacing instead of their number."
+        if found < count:
+            raise InputError("particles", problem, remedy, value=count)
+        raise TooFewParticlesError(problem, remedy, value=count, needed=found)
     return draft, mesh
 
 
@@ -196,24 +203,24 @@ def _solve_spacing(task: FillTask, draft: Draft, count: int, bias: float, coarse
     return draft
 
 
-def _budget_eaten(task: FillTask, draft: Draft, count: int, least: float) -> InputError:
+def _budget_eaten(task: FillTask, draft: Draft, count: int, least: float) -> TooFewParticlesError:
     thin = draft.layout.thin
     needed = math.ceil(1.1 * least / 10.0) * 10
     if not len(thin.places):
-        return InputError(
-            "particles",
+        return TooFewParticlesError(
             "too few for the corners and refined places of this section",
             f"Give at least {needed}.",
             value=count,
+            needed=needed,
         )
     worst = int(np.argmin(thin.thickness))
     name = task.section.regions[int(thin.region[worst])].material
-    return InputError(
-        "particles",
+    return TooFewParticlesError(
         f"the region of {name!r} is only {thin.thickness[worst]:.3g} m thick, and its {task.layers} layers "
         "use up all particles",
         f"Give at least {needed} particles, or fewer layers.",
         value=count,
+        needed=needed,
     )
 
 

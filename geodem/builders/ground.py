@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, InputErrors
+from ..laws import GROUND_LAWS
 from ..model import Model, build_model
 from .particles import Particles
 
@@ -42,6 +43,14 @@ class GroundProperties:
     density: float
     law: str
     parameters: Any
+
+    @classmethod
+    def of(cls, density: float, law: str = "mohr_coulomb", **constants: float) -> GroundProperties:
+        """From the engineer's constants, those that the law's own `parameters` takes.
+
+        ``GroundProperties.of(2000.0, cohesion=10e3, friction_angle=0.35, ...)``: [kg/m3], [Pa], [rad].
+        """
+        return cls(density, law, GROUND_LAWS[law].parameters(**constants))
 
 
 @dataclass(frozen=True)

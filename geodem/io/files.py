@@ -68,3 +68,21 @@ def _remove(part: Path) -> None:
         part.unlink(missing_ok=True)
     except OSError:
         return  # the first error is the one to report
+
+
+def remove_unfinished(folder: Path) -> None:
+    """Take away the parts of files that a process which no longer runs left unfinished."""
+    for part in folder.glob(".*.part"):
+        owner = part.name.split(".")[-2]
+        if owner.isdigit() and not _runs(int(owner)):
+            _remove(part)
+
+
+def _runs(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True  # another user's
+    return True

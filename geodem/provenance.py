@@ -1,0 +1,52 @@
+"""What the numbers of a run depend on beside its case: versions, and the code that made them."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from functools import lru_cache
+from pathlib import Path
+
+from . import __version__
+
+TELLING = (
+    "plotting",
+    "templates",
+    "cli.py",
+    "checking.py",
+    "outputs.py",
+    "result.py",
+    "workflow.py",
+    "__main__.py",
+)
+"""Parts of geodem that tell results and decide none."""
+
+
+@lru_cache(maxsize=1)
+def versions() -> dict[str, str]:
+    """Versions of what the numbers depend on."""
+    import numba
+    import numpy
+    import scipy
+
+    return {
+        "geodem": __version__,
+        "python": platform.python_version(),
+        "numpy": numpy.__version__,
+        "scipy": scipy.__version__,
+        "numba": numba.__version__,
+    }
+
+
+@lru_cache(maxsize=1)
+def sources_digest() -> str:
+    """Hash of all that decides numbers: a checkpoint is continued only by the code and libraries that began it."""
+    digest = hashlib.sha256(repr(sorted(versions().items())).encode())
+    root = Path(__file__).parent
+    for path in sorted(root.rglob("*.py")):
+        inside = path.relative_to(root)
+        if inside.parts[0] in TELLING:
+            continue
+        digest.update(str(inside).encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
