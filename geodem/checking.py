@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import time
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -46,8 +47,6 @@ def check_case(path: Path, picture: Path | None, console: Console) -> dict[str, 
     ------
     InputError
     """
-    from rich.table import Table
-
     from .plotting.check_picture import write_check_picture
 
     case = load_case(path)
@@ -63,48 +62,44 @@ def check_case(path: Path, picture: Path | None, console: Console) -> dict[str, 
     steps = {method: TYPICAL_STEPS[method] * model.particles**0.5 for method in case.methods}
     expected = {method: count * per_step for method, count in steps.items()}
 
-    table = Table(title=case.title, show_header=True)
-    for head in (
-        "material",
-        "area [m2]",
-        "share",
-        "unit weight",
-        "cohesion",
-        "friction",
-        "dilation",
-        "tension",
-    ):
-        table.add_column(head)
+    view = make_view(analysis)
+    console.print(f"[bold]{_escaped(case.title)}[/]")
+    _print_materials(analysis, view.material_rows, console)
+    (left, bottom), (right, top) = model.positions.min(axis=0), model.positions.max(axis=0)
     total = sum(analysis.section.area(name) for name in model.material_names)
-    for row in make_view(analysis).material_rows:
-        area = analysis.section.area(row["name"])
-        table.add_row(
-            row["name"], f"{area:.5g}", f"{100 * area / total:.2f} %", row["unit weight"], row["cohesion"],
-            row["friction angle"], row["dilation angle"], row["tensile strength"],
-        )  # fmt: skip
-    console.print(table)
-    low, high = model.positions.min(axis=0), model.positions.max(axis=0)
     console.print(
-        f"section {low[0]:g} to {high[0]:g} m wide, {low[1]:g} to {high[1]:g} m high, {total:.5g} m2"
+        f"Section: {right - left:.4g} m wide (x from {left:.5g} to {right:.5g} m), {top - bottom:.4g} m high "
+        f"(y from {bottom:.5g} to {top:.5g} m), {total:.4g} m2"
     )
     console.print(
-        f"{model.particles} particles ({case.packing}, seed {case.seed}), spacing {analysis.particles.spacing:.4g} m"
+        f"Model: {model.particles:,} particles ({case.packing}, seed {case.seed}) about "
+        f"{show_rounded(analysis.particles.spacing, 'length')} apart, {len(model.triangles):,} triangles, "
+        f"{model.stress_points:,} stress points, {model.nbytes() / 1e6:.1f} MB"
     )
+    held = ", ".join(f"{side} {support}" for side, support in view.supports.items())
+    console.print(f"Supports: {held}")
+    console.print(f"Loads: {_escaped('; '.join(view.loads) or 'its own weight only')}")
     console.print(
-        f"{len(model.triangles)} triangles, {model.stress_points} stress points, {model.nbytes() / 1e6:.1f} MB"
-    )
-    console.print(
-        f"elastic settlement under gravity {show(simulation.elastic.mean_displacement, 'length')} in the mean"
+        "Elastic settlement under these loads: "
+        f"{show_rounded(simulation.elastic.mean_displacement, 'length')} (mean of what moves)"
     )
     for method, seconds in expected.items():
-        console.print(f"{method}: about {seconds:.2g} s (from {seconds / 3:.1g} to {seconds * 3:.2g} s)")
-    for text in (*case.notices, *analysis.particles.messages):
-        console.print(f"[dim]taken: {text}[/]")
+        console.print(
+            f"Expected time: {method} {_time(seconds)} (from {_time(seconds / 3)} to {_time(seconds * 3)}), "
+            "compiling not counted"
+        )
+    taken = [text for text in case.notices if " is not given: " in text]
+    noted = [*(text for text in case.notices if text not in taken), *analysis.particles.messages]
+    for head, texts in (("Taken by default", taken), ("Noted", noted)):
+        if texts:
+            console.print(f"{head}:")
+        for text in texts:
+            console.print(f"  [dim]{_escaped(text)}[/]")
     for text in (*case.questions, *dilation_warnings(case)):
-        console.print(f"[yellow]note[/] {text}")
+        console.print(f"[yellow]note[/] {_escaped(text)}")
     target = picture or Path(f"{default_folder(path).name.removesuffix('-result')}-check.png")
-    write_check_picture(target, make_view(analysis))
-    console.print(f"Picture: {target}")
+    write_check_picture(target, view)
+    console.print(f"Picture: {_escaped(str(target))}")
     return {
         "particles": model.particles,
         "spacing_m": analysis.particles.spacing,
@@ -113,14 +108,48 @@ def check_case(path: Path, picture: Path | None, console: Console) -> dict[str, 
     }
 
 
+def _print_materials(analysis: Analysis, rows: Sequence[Mapping[str, str]], console: Console) -> None:
+    """Properties down, materials across: so that it fits a narrow terminal."""
+    from rich.table import Table
+
+    assert analysis.section is not None
+    areas = {row["name"]: analysis.section.area(row["name"]) for row in rows}
+    total = sum(areas.values())
+    table = Table(show_header=True, box=None, pad_edge=False)
+    table.add_column("")
+    for row in rows:
+        table.add_column(row["name"], no_wrap=True)
+    shares = [f"{areas[row['name']]:.4g} m2 ({100 * areas[row['name']] / total:.1f} %)" for row in rows]
+    table.add_row("area", *shares)
+    for key in rows[0]:
+        if key != "name":
+            table.add_row(key, *(row[key] for row in rows))
+    console.print(table)
+
+
+def show_rounded(value: float, dimension: str) -> str:
+    """Three significant digits with a fitting unit."""
+    return show(float(f"{value:.3g}"), dimension)
+
+
+def _time(seconds: float) -> str:
+    if seconds < 60.0:
+        return f"{seconds:.1g} s" if seconds < 10.0 else f"{seconds:.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 5400.0 else f"{seconds / 3600.0:.1f} h"
+
+
+def _escaped(text: str) -> str:
+    from rich.markup import escape
+
+    return escape(text)
+
+
 def show_info(console: Console) -> None:
     """Print versions, threads and what is found to compare with."""
-    import numba
-
     for name, version in versions().items():
         console.print(f"{name} {version}")
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    console.print(f"threads {set_threads(None)} of {cores} cores, layer {numba.config.THREADING_LAYER}")
+    console.print(f"threads {set_threads(None)} of {cores} cores")
     console.print(f"compiled kernels {cache_folder()}")
     for name, program in (("YADE", "yade"), ("LIGGGHTS", "liggghts")):
         console.print(f"{name}: {shutil.which(program) or f'not found (Debian: apt-get install {program})'}")

@@ -5,13 +5,13 @@ Exit status 0: done; 2: bad input, nothing written over; 3: stopped, resumable; 
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import shlex
 import signal
 import sys
 import time
+import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -58,7 +58,7 @@ def run(
     from .workflow import default_folder, run_case
 
     folder = out if out is not None else default_folder(case, quick)
-    with _interruptible() as stop_asked, _progress() as watch:
+    with _interruptible(folder) as stop_asked, _progress() as watch:
         result = run_case(
             case, folder, threads=threads, quickly=quick, overwrite=overwrite,
             watch=watch, stop_asked=stop_asked, command=_command(),
@@ -71,7 +71,7 @@ def resume(folder: FolderArgument, threads: ThreadsOption = None) -> None:
     """Go on with a run that was stopped."""
     from .workflow import resume_case
 
-    with _interruptible() as stop_asked, _progress() as watch:
+    with _interruptible(folder) as stop_asked, _progress() as watch:
         result = resume_case(folder, threads=threads, watch=watch, stop_asked=stop_asked, command=_command())
     _tell(result, folder)
 
@@ -140,10 +140,16 @@ def main() -> None:
         complaints.print(f"[bold red]Cannot go on.[/] {_escaped(str(error))}")
         sys.exit(2)
     except StoppedError as error:
-        complaints.print(f"[yellow]{_escaped(str(error))}. The state is kept: geodem resume DIR goes on.[/]")
+        complaints.print(f"[yellow]{_escaped(str(error))}[/]")
         sys.exit(3)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
+    except Exception:
+        traceback.print_exc()
+        complaints.print(
+            "[bold red]This is a defect of geodem, not of your case.[/] Please report the lines above."
+        )
         sys.exit(1)
 
 
@@ -158,7 +164,7 @@ def _command() -> str:
 
 
 @contextmanager
-def _interruptible() -> Iterator[Callable[[], bool]]:
+def _interruptible(folder: Path) -> Iterator[Callable[[], bool]]:
     """Ctrl-C asks to stop at the next batch; a second one ends at once, with the last checkpoint kept."""
     asked = False
 
@@ -167,12 +173,16 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
         if asked:
             raise KeyboardInterrupt
         asked = True
+        complaints.print("[yellow]Stopping after this batch of steps; once more to stop at once.[/]")
 
     old = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield lambda: asked
-    except KeyboardInterrupt:
-        raise StoppedError("stopped at once") from None
+    except (KeyboardInterrupt, StoppedError) as error:
+        what = "Stopped at once" if isinstance(error, KeyboardInterrupt) else f"{str(error).capitalize()}"
+        if (folder / "checkpoint.h5").is_file():
+            raise StoppedError(f"{what}. Go on with: geodem resume {shlex.quote(str(folder))}") from None
+        raise StoppedError(f"{what}. Nothing was kept; the same command begins again.") from None
     finally:
         for number, handler in old.items():
             signal.signal(number, handler)
@@ -182,32 +192,25 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
 def _progress() -> Iterator[Callable[[Update], None]]:
     """A live line with the bracket closing; plain lines, one a trial, where there is no terminal."""
     live = console.status("starting") if console.is_terminal else None
-    shown: dict[str, Any] = {"trials": -1, "stage": "", "time": 0.0}
+    shown: dict[str, Any] = {"trial": None, "stage": "", "time": 0.0}
 
     def watch(update: Update) -> None:
+        stage = f"{update.stage}: {update.text}"
         progress = update.progress
-        if progress is None:
-            if live is not None:
-                live.update(f"{update.stage}: {update.text}")
-            elif update.stage != shown["stage"]:
-                console.print(f"{update.stage}: {update.text}")
-            shown["stage"] = update.stage
-            return
-        stable, failed = progress.bracket.stable, progress.bracket.failed
-        low = "?" if stable is None else f"{stable:.4g}"
-        high = "?" if failed is None else f"{failed:.4g}"
-        left = "" if math.isnan(update.seconds_left) else f", about {_duration(update.seconds_left)} left"
-        head = f"{progress.kind}, {progress.model} model: between {low} and {high}"
-        key = (progress.kind, progress.model, progress.trials)
         if live is None:
-            if key != shown["trials"] and progress.trials:
-                console.print(f"{head} after {progress.trials} trials{left}")
-            shown["trials"] = key
+            if stage != shown["stage"]:
+                console.print(stage)
+            if progress is not None and progress.trials and (stage, progress.trials) != shown["trial"]:
+                console.print(f"  {_closing(update)}")
+                shown["trial"] = (stage, progress.trials)
+            shown["stage"] = stage
+        elif progress is None:
+            live.update(stage)
         elif time.perf_counter() - shown["time"] > 0.1:
             shown["time"] = time.perf_counter()
             live.update(
-                f"{head}; trying {progress.factor:.4g}: step {progress.steps}, unbalanced "
-                f"{progress.unbalanced_ratio:.1e}, moved {progress.displacement_settlements:.2f} settlements{left}"
+                f"{update.text}: {_closing(update)}; trying {progress.factor:.4g}: step {progress.steps}, "
+                f"unbalanced {progress.unbalanced_ratio:.0e}, moved {progress.displacement_settlements:.2f} settlements"
             )
 
     if live is None:
@@ -215,6 +218,22 @@ def _progress() -> Iterator[Callable[[Update], None]]:
     else:
         with live:
             yield watch
+
+
+def _closing(update: Update) -> str:
+    """How far the bracket has closed, and the time left."""
+    assert update.progress is not None
+    stable, failed = update.progress.bracket.stable, update.progress.bracket.failed
+    if stable is not None and failed is not None:
+        where = f"between {stable:.4f} and {failed:.4f}"
+    elif stable is not None:
+        where = f"above {stable:.4f}"
+    else:
+        where = "not bracketed" if failed is None else f"below {failed:.4f}"
+    count = update.progress.trials
+    trials = "1 trial" if count == 1 else f"{count} trials"
+    left = "" if math.isnan(update.seconds_left) else f", about {_duration(update.seconds_left)} left"
+    return f"{where} after {trials}{left}"
 
 
 def _duration(seconds: float) -> str:
@@ -227,28 +246,35 @@ def _duration(seconds: float) -> str:
 
 def _tell(result: dict[str, Any], folder: Path) -> None:
     """The answer, in the words of the report."""
-    names = {"strength-reduction": "Factor of safety", "gravity-increase": "Gravity factor (a load factor)"}
+    from .plotting.wording import found
+
     for entry in result["factors"]:
-        name = names[entry["kind"]]
-        if entry["value"] is None:
+        quantity, shown, how = found(entry)
+        meaning = (
+            "" if entry["kind"] == "strength-reduction" else " A load multiplier, not a factor of safety."
+        )
+        console.print(f"[bold]{quantity} {shown}[/] {_escaped(how)}.{meaning}")
+        flat = entry.get("zero_dilation")
+        if flat is not None:
+            quantity, shown, _ = found({**flat, "kind": entry["kind"]})
             console.print(
-                f"[bold]{name}[/]: not bracketed (stable {entry['stable']}, failed {entry['failed']})"
+                f"  {quantity} {shown} with a dilation angle of zero (none was given; it was taken equal"
             )
-            continue
-        line = f"[bold]{name} {entry['value']:.3f}[/] ({entry['kind']}; "
-        line += f"stable {entry['stable']:.3f}, failed {entry['failed']:.3f})"
-        console.print(line)
-    for neighbour in result["neighbours"]:
-        console.print(f"{neighbour['method']} {neighbour['factor']:.3f}")
-    if result["neighbours_why"]:
-        console.print(result["neighbours_why"])
+            console.print(f"  to the friction angle), on {flat['particles']:,} particles")
+    beside = [f"{neighbour['method']} {neighbour['factor']:.3f}" for neighbour in result["neighbours"]]
     if result.get("reference"):
-        console.print(f"Published {result['reference']['factor']:g} ({result['reference']['source']})")
+        beside.append(f"published {result['reference']['factor']:g} ({result['reference']['source']})")
+    if beside:
+        console.print(_escaped("Beside it: " + ", ".join(beside)))
+    if result["neighbours_why"]:
+        console.print(_escaped(f"No limit equilibrium beside it: {result['neighbours_why']}"))
     for warning in result["warnings"]:
         console.print(f"[yellow]note[/] {_escaped(warning)}")
-    time_line = f"{result['particles']} particles, {result['steps']} steps, {result['wall_time_s']:.1f} s"
+    time_line = (
+        f"{result['particles']:,} particles, {result['steps']:,} steps, {_duration(result['wall_time_s'])}"
+    )
     console.print(f"{time_line}, of which {result['compile_time_s']:.1f} s compiling")
-    console.print(f"Report: {folder / 'report.html'}")
+    console.print(f"Report: {_escaped(str(folder / 'report.html'))}")
 
 
 if __name__ == "__main__":
