@@ -83,5 +83,5 @@ SLOPE = ((0.0, 0.0), (32.0, 0.0), (32.0, 10.0), (20.0, 10.0))  # 2:1, 10 m high,
 
 
 def slope(spacing=1.0, *, seed=1, **material) -> Model:
-    """Griffiths & Lane (1999, Geotechnique 49:387) example 1: F = 1.4 with c = 10 kPa, phi = 20 deg, 20 kN/m3."""
+    """Griffiths & Lane (1999, Geotechnique 49:387) example 1: F = 1.4."""
     return model(*mesh(SLOPE, spacing, seed=seed), soil(**material))

@@ -13,15 +13,15 @@ from geodem.laws import GROUND_LAWS
 
 CONSTANTS = {
     "mohr_coulomb": {
-        "associated": dict(c=10e3, phi=30.0, psi=30.0, tension=np.inf),
-        "no dilation": dict(c=10e3, phi=30.0, psi=0.0, tension=np.inf),
-        "some dilation": dict(c=2e3, phi=40.0, psi=10.0, tension=np.inf),
-        "undrained": dict(c=25e3, phi=0.0, psi=0.0, tension=np.inf, nu=0.49),
-        "tension cut-off": dict(c=10e3, phi=30.0, psi=30.0, tension=3e3),
-        "undrained, no tension": dict(c=10e3, phi=0.0, psi=0.0, tension=0.0),
-        "sand": dict(c=0.0, phi=35.0, psi=5.0, tension=np.inf),
-        "sand, no tension": dict(c=0.0, phi=35.0, psi=35.0, tension=0.0),
-        "no strength at all": dict(c=0.0, phi=0.0, psi=0.0, tension=np.inf),
+        "associated": {"c": 10e3, "phi": 30.0, "psi": 30.0, "tension": np.inf},
+        "no dilation": {"c": 10e3, "phi": 30.0, "psi": 0.0, "tension": np.inf},
+        "some dilation": {"c": 2e3, "phi": 40.0, "psi": 10.0, "tension": np.inf},
+        "undrained": {"c": 25e3, "phi": 0.0, "psi": 0.0, "tension": np.inf, "nu": 0.49},
+        "tension cut-off": {"c": 10e3, "phi": 30.0, "psi": 30.0, "tension": 3e3},
+        "undrained, no tension": {"c": 10e3, "phi": 0.0, "psi": 0.0, "tension": 0.0},
+        "sand": {"c": 0.0, "phi": 35.0, "psi": 5.0, "tension": np.inf},
+        "sand, no tension": {"c": 0.0, "phi": 35.0, "psi": 35.0, "tension": 0.0},
+        "no strength at all": {"c": 0.0, "phi": 0.0, "psi": 0.0, "tension": np.inf},
     }
 }
 """Materials that together reach every branch of a law."""
@@ -29,14 +29,14 @@ CONSTANTS = {
 
 def make(constants):
     """Engineering constants of the table in SI."""
-    return dict(
-        young_modulus=constants.get("young", 50e6),
-        poisson_ratio=constants.get("nu", 0.3),
-        cohesion=constants["c"],
-        friction_angle=np.radians(constants["phi"]),
-        dilation_angle=np.radians(constants["psi"]),
-        tensile_strength=constants["tension"],
-    )
+    return {
+        "young_modulus": constants.get("young", 50e6),
+        "poisson_ratio": constants.get("nu", 0.3),
+        "cohesion": constants["c"],
+        "friction_angle": np.radians(constants["phi"]),
+        "dilation_angle": np.radians(constants["psi"]),
+        "tensile_strength": constants["tension"],
+    }
 
 
 def strength_excess(constants, stress):
@@ -110,16 +110,17 @@ def test_stress_is_the_gradient_of_the_elastic_energy(law, constants, elastic):
             / (2.0 * step)
             for axis in np.eye(3)
         ]
-        # the shear strain appears twice in the work. Central differences of a quadratic are exact but for round-off.
+        # the shear strain appears twice in the work; central differences of a quadratic are exact
         assert gradient == pytest.approx(
             [stress[0], stress[1], 2.0 * stress[2]], rel=1e-7, abs=1e-7 * abs(stress).max()
         )
 
 
 def test_plane_strain_moduli():
-    """E 10 GPa, nu 0.25, confined: sigma_yy/eps_yy = E (1 - nu)/((1 + nu)(1 - 2 nu)) = 12 GPa, K0 = nu/(1 - nu) = 1/3."""
+    """E 10 GPa, nu 0.25, confined: E (1 - nu)/((1 + nu)(1 - 2 nu)) = 12 GPa; K0 = nu/(1 - nu) = 1/3."""
+    given = {"c": 1e12, "phi": 0.0, "psi": 0.0, "tension": np.inf, "young": 10e9, "nu": 0.25}
     for law in GROUND_LAWS.values():
-        material = law.parameters(**make(dict(c=1e12, phi=0.0, psi=0.0, tension=np.inf, young=10e9, nu=0.25)))
+        material = law.parameters(**make(given))
         stress = update(law, material, np.zeros(3), [0.0, 1e-4, 0.0])
         assert stress[1] == pytest.approx(12e9 * 1e-4, rel=1e-12)
         assert stress[0] / stress[1] == pytest.approx(1.0 / 3.0, rel=1e-12)
@@ -180,8 +181,8 @@ def test_a_loop_gives_no_energy(law, constants):
             dissipated += spent
             size += abs(done)
             stress = answer[:3]
-        # nothing is stored at the start, so what is stored at the end was put in as well. The work is a trapezoid
-        # sum, wrong by a part of the steps on which yielding begins.
+        # nothing is stored at the start, so what is stored at the end was put in as well. The work is a
+        # trapezoid sum, wrong by a part of the steps on which yielding begins.
         assert total >= -1e-5 * size
         assert dissipated >= -1e-5 * size
         all_dissipated, all_size = all_dissipated + dissipated, all_size + size
@@ -264,7 +265,7 @@ def test_compiled_is_plain(law, constants, plastic, monkeypatch):
 
 @every_material
 def test_work_is_stored_or_dissipated(law, constants):
-    """The kernel's account, one step at a time: work of the stress = change of elastic energy + plastic work."""
+    """The kernel's account of one step: work of the stress = change of elastic energy + plastic work."""
     material = law.parameters(**make(constants))
     moduli = law.elastic_moduli(material)
     flags = {**law.features([material], plastic=True), "ONE_MATERIAL": True, "ENERGY": True, "CHUNK": 128}
@@ -328,7 +329,7 @@ def test_features_follow_from_the_materials(law, constants):
 def test_one_material_with_a_cut_off_switches_it_on():
     for law in GROUND_LAWS.values():
         with_, without = (
-            law.parameters(**make(dict(c=10e3, phi=30.0, psi=0.0, tension=tension)))
+            law.parameters(**make({"c": 10e3, "phi": 30.0, "psi": 0.0, "tension": tension}))
             for tension in (0.0, np.inf)
         )
         assert law.features([without, with_], plastic=True)["TENSION"]
