@@ -13,8 +13,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from . import __version__
 from ._jit import compile_seconds
+from ._version import __version__
 from .building import case_identity, make_model, make_particles, make_section
 from .builders.particles import Particles
 from .builders.section import Section

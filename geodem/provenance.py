@@ -7,7 +7,7 @@ import platform
 from functools import lru_cache
 from pathlib import Path
 
-from . import __version__
+from ._version import __version__
 
 TELLING = (
     "plotting",

@@ -69,8 +69,8 @@ class Search:
 
     simulation: Simulation
     method: Method
-    criteria: Criteria
-    tolerance: float
+    criteria: Criteria = field(default_factory=Criteria)
+    tolerance: float = 0.01
     start: float = 1.0
     step: float = 0.3
     model: Literal["coarse", "fine"] = "fine"
