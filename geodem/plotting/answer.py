@@ -48,6 +48,8 @@ def answer(result: Mapping[str, Any], view: ReportView) -> str:
     if main.get("criterion"):
         blocks.append(f"<p>Decided by: {text(main['criterion'])}.</p>")
     for entry in entries:
+        if isinstance(entry.get("zero_dilation"), Mapping):
+            blocks.append(_zero_dilation(entry))
         if entry["undecided"]:
             blocks.append(_undecided(entry))
     if safety:
@@ -123,6 +125,22 @@ def _circles_miss(value: float | None, result: Mapping[str, Any]) -> str:
         "the safety of ground that fails along one. Compare the traced slip surface below with the circles, "
         "and "
         "the factor with a non-circular surface.</p>"
+    )
+
+
+def _zero_dilation(entry: Mapping[str, Any]) -> str:
+    """What the silent choice of a dilation angle equal to the friction angle is worth."""
+    flat = entry["zero_dilation"]
+    _, shown, how = wording.found({**flat, "kind": entry["kind"]})
+    change = ""
+    if entry.get("value") is not None and flat.get("value") is not None:
+        change = f", {wording.percent(float(flat['value']), float(entry['value']))} from the factor above"
+    return (
+        '<div class="note"><p><strong>Dilation angle not given</strong>: it was taken equal to the friction '
+        "angle, as limit equilibrium does in effect. With a dilation angle of zero, the other extreme, the same "
+        f"search gives <strong>{text(shown)}</strong> {text(how)}{text(change)}; on "
+        f"{text(wording.number(flat.get('particles')))} particles, and with some dependence on the mesh. Give "
+        "dilation_angle to settle it.</p></div>"
     )
 
 

@@ -86,7 +86,7 @@ def bracket_chart(method: MethodView) -> Figure:
 
 
 def history_chart(method: MethodView) -> Figure:
-    """Mean displacement over relaxation steps, one line a trial; steps of a relaxation are not time."""
+    """Displacement of what moves over relaxation steps, one line a trial; steps of a relaxation are not time."""
     figure = new_figure(7.7, 3.5)
     axes = figure.add_subplot()
     quiet_axes(axes)
@@ -123,7 +123,7 @@ def history_chart(method: MethodView) -> Figure:
         )
     _end_labels(axes, method, histories, factor)
     axes.set_xlabel("relaxation step [-] (not time)")
-    axes.set_ylabel(f"mean displacement from settled [{unit}]")
+    axes.set_ylabel(f"displacement of what moves [{unit}]")
     axes.set_ylim(bottom=0.0)
     axes.set_xlim(left=0.0)
     axes.margins(x=0.02)

@@ -12,6 +12,7 @@ from geodem.plotting import page, wording
 from geodem.plotting.page import Markup, text
 from geodem.plotting.scenes import mean_spacing
 from geodem.plotting.views import MethodView, ReportView
+from geodem.stability.criteria import Criteria
 
 STATIC = (
     "Static result (quasi-static relaxation), not dynamics: the displacements show which mass moves and in "
@@ -24,8 +25,8 @@ STATIC = (
 
 CHARTS = {
     "bracket": "Every trial as a mark; the band between highest stable and lowest failed factor closes.",
-    "history": "Mean displacement of each trial: one that levels off is stable, one that runs away has "
-    "failed. Bold: the two ends of the bracket.",
+    "history": "Displacement of what moves in each trial: one that levels off is stable, one that runs away "
+    "has failed. Bold: the two ends of the bracket.",
 }
 
 
@@ -257,13 +258,11 @@ def reading(result: Mapping[str, Any]) -> str:
         "The factor of safety is the largest factor with which the ground still comes to rest.",
         "<strong>Gravity factor</strong> (gravity increase): the strength is kept and gravity is multiplied. "
         + text(wording.GRAVITY_WARNING),
-        "<strong>Stable</strong>: the unbalanced force has died away against the weight. "
-        "<strong>Failed</strong>: "
-        "the mean displacement has passed a multiple of the elastic settlement, or was still growing at the "
-        "step "
-        "limit. <strong>Undecided</strong>: neither, when the steps ran out; such a trial is never counted "
-        "as "
-        "stable. The limits stand with each trial.",
+        _criteria(),
+        "<strong>Displacement of what moves</strong>: the mean over the section in which each part counts by "
+        "how far it has moved (sum of area × displacement² over sum of area × displacement), so that a thin "
+        "slab that "
+        "slides off a large section counts as what it is.",
         "<strong>[stable, failed]</strong>: the factor lies between the two; the number given is their "
         "middle. The "
         "bracket is the accuracy of the search. The accuracy of the model (resolution, flow rule) and of "
@@ -279,6 +278,23 @@ def reading(result: Mapping[str, Any]) -> str:
     ]
     return page.section(
         "reading", "How to read this", "<ul>" + "".join(f"<li>{item}</li>" for item in items) + "</ul>"
+    )
+
+
+def _criteria() -> str:
+    """When a trial is stable and when it has failed, with the limits in force."""
+    rules = Criteria()
+    return (
+        f"<strong>Stable</strong>: the unbalanced force has fallen below {wording.number(rules.stable_ratio)} of "
+        "the weight. "
+        f"<strong>Failed</strong>: what moves has moved more than {rules.failed_settlements:g} elastic settlements "
+        f"and is not slowing down (the unbalanced force is still above {100.0 * rules.steady:g} % of what it was "
+        "half that way), "
+        "or its displacement was still growing at the step limit. What has come so far, or to the step limit, "
+        f"with an unbalanced force below {wording.number(rules.balanced_ratio)} of the weight of what moves is in "
+        "balance and counts as stable. "
+        "<strong>Undecided</strong>: none of these when the steps ran out; such a trial is never counted as "
+        "stable. The rule that decided stands with each trial."
     )
 
 
@@ -330,7 +346,7 @@ def _trials(method: MethodView) -> str:
         )
     header = [
         "Trial", "Factor [-]", "Verdict", "Told by", "Steps", "Unbalanced force ratio [-]",
-        "Mean displacement [m]",
+        "Displacement of what moves [m]",
         "Particles", "Model", "Time [s]",
     ]  # fmt: skip
     return page.table(header, rows, numbers=(0, 1, 4, 5, 6, 7, 9), kind="trials")

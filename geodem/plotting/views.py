@@ -32,7 +32,7 @@ class MethodView:
     trials : list of dict
         In the order tried: factor, verdict ("stable", "failed", "undecided"), criterion, steps, unbalanced,
         displacement [m], particles, seconds, model ("coarse", "fine").
-    histories : list of (factor, verdict, step (k,), mean displacement (k,) [m])
+    histories : list of (factor, verdict, step (k,), displacement of what moves (k,) [m])
     failure : Failure or None
         The lowest failed trial's fields, over the positions of the view.
     """
