@@ -167,7 +167,7 @@ def pack_count(task: FillTask, count: int) -> tuple[Draft, Mesh]:
     draft = _solve_spacing(task, draft_filling(task, base), count, 1.0, coarsest)
     mesh, natural = fill(task, draft)
     for _ in range(3):
-        if abs(natural - count) <= 0.02 * count:
+        if abs(natural - count) <= 0.03 * count:
             break
         # the forecast knows neither rows nor how particles stand at the lines; its error hardly changes
         draft = _solve_spacing(task, draft, count, natural / draft.count, coarsest)
@@ -184,10 +184,18 @@ def pack_count(task: FillTask, count: int) -> tuple[Draft, Mesh]:
 
 
 def _solve_spacing(task: FillTask, draft: Draft, count: int, bias: float, coarsest: float) -> Draft:
-    """Draft whose forecast, times `bias`, is `count`: secant steps in the logarithms."""
+    """Draft whose forecast, times `bias`, is `count`: secant steps in logarithms, between the nearest two.
+
+    The forecast jumps where a region becomes thin or a vertex a corner; what is left after a few steps is
+    made up by inserting or taking out particles.
+    """
     slope = -2.0
-    for _ in range(12):
+    low, high = 0.0, coarsest
+    best = draft
+    for _ in range(8):
         error = math.log(draft.count * bias / count)
+        if abs(error) < abs(math.log(best.count * bias / count)):
+            best = draft
         if abs(error) < 0.01:
             break
         base = draft.layout.field.base
@@ -195,12 +203,18 @@ def _solve_spacing(task: FillTask, draft: Draft, count: int, bias: float, coarse
             raise _budget_eaten(task, draft, count, draft.count * bias)
         # a refined region answers little to the base spacing, never more than the square
         step = min(max(-error / slope, -1.0), 1.0)
-        other = draft_filling(task, min(coarsest, base * math.exp(step)))
+        low, high = (base, high) if error > 0.0 else (low, base)
+        target = min(coarsest, base * math.exp(step))
+        if not low < target <= high:
+            target = math.sqrt(low * high) if low > 0.0 else 0.5 * high
+        if high < 1.002 * low:
+            break
+        other = draft_filling(task, target)
         moved = math.log(other.layout.field.base / base)
         if moved:
             slope = min(max(math.log(other.count / draft.count) / moved, -2.2), -0.3)
         draft = other
-    return draft
+    return best
 
 
 def _budget_eaten(task: FillTask, draft: Draft, count: int, least: float) -> TooFewParticlesError:
@@ -234,7 +248,7 @@ def refuse_thin(task: FillTask, draft: Draft) -> None:
     raise InputError(
         "thin",
         f"the region of {name!r} is only {thin.thickness[worst]:.3g} m thick, so that a spacing of "
-        f"{thin.spacing[worst]:.3g} m gives it fewer than {task.layers} layers",
+        f"{draft.layout.field.base:.3g} m gives it fewer than {task.layers} layers",
         f"Give a spacing of {fine:.3g} m everywhere (about {uniform_count(task.section, fine)} particles), "
         'or thin = "refine".',
         value=task.thin,

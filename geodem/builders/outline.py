@@ -297,16 +297,16 @@ def _graded_grids(
     chains: Sequence[Chain], arcs: Sequence[Floats], spacing: Spacing, smallest: float
 ) -> tuple[list[Floats], list[Floats]]:
     """Arc lengths that cut each chain into parts short against the spacing, and the spacing amid them."""
+    # all chains as one line, with a gap of one between them, so that a point is found in one search
+    offset = np.concatenate([[0.0], np.cumsum([arc[-1] + 1.0 for arc in arcs])[:-1]])
+    line = Chain(np.concatenate([chain.points for chain in chains]), 0, 0)
+    line_arc = np.concatenate([arc + start for arc, start in zip(arcs, offset, strict=True)])
     owner = np.repeat(np.arange(len(chains)), 2)
     low = np.concatenate([[0.0, 0.5 * arc[-1]] for arc in arcs])
     width = np.concatenate([[0.5 * arc[-1]] * 2 for arc in arcs])
     done: list[tuple[Ints, Floats, Floats, Floats]] = []
     while len(low):
-        middle = np.empty((len(low), 2))
-        for index in np.unique(owner):
-            here = owner == index
-            middle[here] = along(chains[index], arcs[index], low[here] + 0.5 * width[here])
-        value = spacing(middle)
+        value = spacing(along(line, line_arc, offset[owner] + low + 0.5 * width))
         # the spacing cannot fall faster than its grading, so what is wide open needs no closer look
         split = (width > 0.5 * value) & (width > 0.1 * smallest)
         done.append((owner[~split], low[~split], width[~split], value[~split]))

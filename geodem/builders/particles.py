@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,6 +32,11 @@ from geodem.errors import InputError
 
 if TYPE_CHECKING:
     from geodem.builders.section import Section
+
+
+# map coordinates this many times the section's extent leave too few digits to tell which circle is empty;
+# moved to the origin and back, the corners keep their bits
+FAR = 10.0
 
 
 @dataclass(frozen=True)
@@ -127,6 +132,22 @@ def fill_section(
             "Give at least one region with an area, or check the legend.",
         )
     extent = max(bounds[2] - bounds[0], bounds[3] - bounds[1])
+    origin = 0.5 * np.array([bounds[0] + bounds[2], bounds[1] + bounds[3]])
+    if np.abs(origin).max() > FAR * extent:
+        here = fill_section(
+            _moved(section, -origin),
+            particles=particles,
+            spacing=spacing,
+            packing=packing,
+            seed=seed,
+            layers=layers,
+            thin=thin,
+            refine=[(_shifted(shape, -origin), limit) for shape, limit in refine],
+            focus=[(_shifted(shape, -origin), ratio) for shape, ratio in focus],
+            grading=grading,
+            points=np.asarray(points, dtype=np.float64).reshape(-1, 2) - origin,
+        )
+        return replace(here, positions=here.positions + origin)
     marks = np.asarray(points, dtype=np.float64).reshape(-1, 2)
     graph, on_line = build_graph(section, marks, 1e-6 * extent)
     _check_points(section, marks, on_line)
@@ -155,6 +176,18 @@ def fill_section(
         draft, mesh = pack_count(task, particles)
         refuse_thin(task, draft)
     return _finish(task, draft, mesh)
+
+
+def _moved(section: Section, by: Floats) -> Section:
+    from geodem.builders.section import Region, Section
+
+    return Section(tuple(Region(part.material, _shifted(part.polygon, by)) for part in section.regions))
+
+
+def _shifted(shape: Any, by: Floats) -> Any:
+    import shapely
+
+    return shapely.transform(shape, lambda coordinates: coordinates + by)
 
 
 def _finish(task: FillTask, draft: Draft, mesh: Mesh) -> Particles:

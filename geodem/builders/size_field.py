@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 FACING = 0.5
 # a wedge wider than this (tangent of 15 degrees) is a corner, not a thin region
 WEDGE = 0.268
+# towards its tip, a lens is looked at down to this share of its thickness (or of what would be thick enough)
+TIP = 1.0 / 3.0
 # sources within 7 % of each other are looked up together
 LEVEL = 1.07
 
@@ -36,7 +38,9 @@ LEVEL = 1.07
 class SizeField:
     """Largest spacing allowed at a place: the least of all limits, each growing away from where it acts.
 
-    h(x) = min(base, s_i + grading |x - x_i|, s_k + grading distance(x, geometry_k))
+    h(x) = min(base, s_i + grading max(|x - x_i| - s_i / 2, 0), s_k + grading distance(x, geometry_k))
+
+    The flat middle of a point's limit makes neighbouring points act as the line that they stand for.
 
     Attributes
     ----------
@@ -91,10 +95,11 @@ class SizeField:
             open_ = np.flatnonzero(spacing > least)
             if not len(open_):
                 continue
-            reach = (spacing[open_].max() - least) / self.grading
+            reach = (spacing[open_].max() - least) / self.grading + 0.5 * LEVEL * least
             distance, nearest = tree.query(points[open_], distance_upper_bound=reach)
             found = np.isfinite(distance)
-            limit = limits[nearest[found]] + self.grading * distance[found]
+            limit = limits[nearest[found]]
+            limit = limit + self.grading * np.maximum(distance[found] - 0.5 * limit, 0.0)
             spacing[open_[found]] = np.minimum(spacing[open_[found]], limit)
         return spacing
 
@@ -218,8 +223,6 @@ def _thin_places(
     section: Section, chains: Sequence[Chain], lengths: Sequence[Floats], bare: SizeField, layers: int
 ) -> ThinPlaces:
     """Look across from both sides of every line, and keep what is thinner than `layers` spacings."""
-    import shapely
-
     a = np.concatenate([chain.points[:-1] for chain in chains])
     b = np.concatenate([chain.points[1:] for chain in chains])
     owner = np.repeat(np.arange(len(chains)), [len(chain.points) - 1 for chain in chains])
@@ -237,37 +240,46 @@ def _thin_places(
     normal[len(normal) // 2 :] *= -1.0
     spacing = bare(origin)
     thickness, hit = first_hits(origin, normal, layers * spacing, a, b, from_)
-    seen = np.flatnonzero(hit >= 0)
+    reach = layers * spacing
+    region = _region_at(section, origin + 0.5 * np.minimum(thickness, reach)[:, None] * normal)
+    thickest = np.zeros(len(section.regions))
+    known = region >= 0
+    np.maximum.at(thickest, region[known], np.minimum(thickness, reach)[known])
+    seen = np.flatnonzero((hit >= 0) & known)
     origin, normal, spacing, thickness = origin[seen], normal[seen], spacing[seen], thickness[seen]
-    from_, hit = from_[seen], hit[seen]
+    from_, hit, region = from_[seen], hit[seen], region[seen]
     across = b[hit] - a[hit]
     turned = np.abs(normal[:, 0] * across[:, 1] - normal[:, 1] * across[:, 0]) / np.hypot(*across.T)
     keep = (turned >= FACING) & (thickness < layers * spacing * (1.0 - 1e-9))
-    keep &= ~_in_wedge(chains, origin, thickness, spacing, owner[from_], owner[hit], a, b, from_, hit)
-    middle = origin + 0.5 * thickness[:, None] * normal
-    region = np.full(len(origin), -1, dtype=np.int64)
-    for index, part in enumerate(section.regions):
-        region[shapely.contains_xy(part.polygon, middle[:, 0], middle[:, 1])] = index
-    keep &= region >= 0
+    tip = _distance_to_tip(chains, origin, thickness, owner[from_], owner[hit], a, b, from_, hit)
+    # a wedge has no thickness of its own: every spacing is too large for its tip
+    keep &= (thickness <= WEDGE * tip) & (tip >= 2.0 * spacing)
+    keep &= ~np.isfinite(tip) | (thickness >= TIP * thickest[region])
     return ThinPlaces(origin[keep], thickness[keep], spacing[keep], region[keep])
 
 
-def _in_wedge(
+def _region_at(section: Section, points: Floats) -> Ints:
+    """Index of the region that holds each point; -1 outside."""
+    import shapely
+
+    region = np.full(len(points), -1, dtype=np.int64)
+    for index, part in enumerate(section.regions):
+        region[shapely.contains_xy(part.polygon, points[:, 0], points[:, 1])] = index
+    return region
+
+
+def _distance_to_tip(
     chains: Sequence[Chain],
     origin: Floats,
     thickness: Floats,
-    spacing: Floats,
     near: Ints,
     far: Ints,
     a: Floats,
     b: Floats,
     from_: Ints,
     hit: Ints,
-) -> Mask:
-    """True where the two faces meet in a corner that is too wide or too close to call the region thin.
-
-    A wedge has no thickness of its own: every spacing is too large for its tip.
-    """
+) -> Floats:
+    """Distance [m] to the corner in which the two faces meet; inf where they meet in none."""
     from scipy.spatial import cKDTree
 
     tip = np.full(len(origin), np.inf)
@@ -288,4 +300,4 @@ def _in_wedge(
         off, _ = cKDTree(corners.reshape(-1, 2)).query(apex)
         meets = slanted & (off < 1e-3 * thickness)
         tip[meets] = np.minimum(tip[meets], np.hypot(*(origin - apex).T)[meets])
-    return (thickness > WEDGE * tip) | (tip < 2.0 * spacing)
+    return tip

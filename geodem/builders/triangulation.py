@@ -95,7 +95,8 @@ class Mesh:
         """
         from scipy.spatial import cKDTree
 
-        for _ in range(30):
+        most = 4 * len(self.edges) + 100
+        while len(self.edges) < most:
             self.triangulate()
             missing = np.flatnonzero(~np.isin(self._keys(self.edges), self._keys(_sides(self.triangles))))
             if not len(missing):
@@ -125,7 +126,9 @@ class Mesh:
                 ]
             )
             self.remove(np.concatenate([gone, np.zeros(len(split), dtype=bool)]))
-        raise RuntimeError("the triangulation does not follow the lines of the section after 30 repairs")
+        raise RuntimeError(
+            "the triangulation does not follow the lines of the section, however finely they are cut"
+        )
 
     def relax(self, sweeps: int, relaxation: float) -> None:
         """Smooth the movable particles; triangulates before each sweep."""
