@@ -9,7 +9,7 @@ The same in code, from geometry to the factor of safety of a 5 m bank of soft cl
 
     >>> from math import inf
     >>> bank = geodem.Section.from_polygons([("clay", [(0, 0), (25, 0), (25, 8), (15, 8), (10, 3), (0, 3)])])
-    >>> strength = {"cohesion": 18e3, "friction_angle": 0.0, "dilation_angle": 0.0, "tensile_strength": inf}
+    >>> strength = {"cohesion": 19e3, "friction_angle": 0.0, "dilation_angle": 0.0, "tensile_strength": inf}
     >>> clay = geodem.GroundProperties.of(1800.0, young_modulus=10e6, poisson_ratio=0.3, **strength)
     >>> sides = {"left": "roller", "right": "roller", "bottom": "fixed"}
     >>> model = geodem.build_ground(geodem.fill_section(bank, particles=400), {"clay": clay}, boundary=sides)

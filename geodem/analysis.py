@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 from ._jit import compile_seconds
 from ._version import __version__
 from .building import case_identity, make_model, make_particles, make_section
+from .builders.filling import TooFewParticlesError
 from .builders.particles import Particles
 from .builders.section import Section
 from .case import Case
@@ -154,13 +155,16 @@ class Analysis:
         for record in self.records.values():  # a run that was stopped here begins them again
             record.coarse, record.coarse_value = [], None
         zone = None
-        for count in self._levels():
-            try:
-                model = make_model(self.case, self._fill(count, None, zone))
-            except InputError:
-                continue  # a thin seam takes more particles than that
+        known = 0
+        for level in self._levels():
+            if level <= known:
+                continue
+            found_model = self._coarse_model(level, zone)
+            if found_model is None:
+                continue
+            known, model = found_model
             if self._coarse is None:
-                self._coarse, self._coarse_count = model, count
+                self._coarse_count, self._coarse = found_model
             found = [self._search_coarse(record, model) for record in self.records.values()]
             # a given spacing is the user's word; a given number leaves open where the particles are
             if self.case.particles is not None:
@@ -180,6 +184,20 @@ class Analysis:
             return []
         levels = max(1, round(math.log(ratio) / math.log(LEVEL_RATIO)))
         return [round(COARSE_PARTICLES * ratio ** (level / levels)) for level in range(levels)]
+
+    def _coarse_model(self, count: int, zone: FailingZone | None) -> tuple[int, Model] | None:
+        """Particles asked for (`count`, or what thin seams need) and their model; None where that saves nothing."""
+        assert self.model is not None
+        for _ in range(2):
+            try:
+                return count, make_model(self.case, self._fill(count, None, zone))
+            except TooFewParticlesError as error:
+                count = error.needed
+                if SMALLEST_RATIO * count > self.model.particles:
+                    break
+            except InputError:
+                break
+        return None
 
     def _coarsest(self) -> Model:
         """The first model that was bracketed on, made again where a run was resumed; else the fine one."""
