@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import importlib
 import importlib.util
 import inspect
 import os
@@ -62,7 +63,7 @@ def set_threads(threads: int | None) -> int:
     global _threads
     import numba
 
-    most = int(numba.config.NUMBA_NUM_THREADS)
+    most = int(_numba_settings().NUMBA_NUM_THREADS)
     _threads = most if threads is None else min(threads, most)
     numba.set_num_threads(_threads)
     return _threads
@@ -72,7 +73,7 @@ def threads_allowed() -> int:
     """How many threads kernels may use; a `ThreadPilot` may have chosen fewer for now."""
     import numba
 
-    return int(numba.config.NUMBA_NUM_THREADS) if _threads is None else _threads
+    return int(_numba_settings().NUMBA_NUM_THREADS) if _threads is None else _threads
 
 
 class ThreadPilot:
@@ -170,8 +171,9 @@ def compile_kernel(
     import numba
 
     start = time.perf_counter()
-    if numba.config.THREADING_LAYER == "default":
-        numba.config.THREADING_LAYER = "omp" if _has_openmp() else "workqueue"
+    settings = _numba_settings()
+    if settings.THREADING_LAYER == "default":
+        settings.THREADING_LAYER = "omp" if _has_openmp() else "workqueue"
     text = kernel_text(functions, constants, parallel)
     digest = hashlib.sha256(f"{numba.__version__}{text}".encode()).hexdigest()[:24]
     name = f"geodem_kernel_{digest}"
@@ -190,9 +192,16 @@ def compile_kernel(
     return module
 
 
+def _numba_settings() -> Any:
+    """numba's settings: a module whose names are made at run time."""
+    import numba
+
+    return numba.config
+
+
 def _has_openmp() -> bool:
     try:
-        from numba.np.ufunc import omppool  # noqa: F401
+        importlib.import_module("numba.np.ufunc.omppool")
     except ImportError:
         return False
     return True

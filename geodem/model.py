@@ -29,11 +29,11 @@ Integers = NDArray[np.int32]
 class SparseVectors(NamedTuple):
     """Compressed rows of two-component vectors.
 
-    start (rows + 1,) int32; index (entries,) int32; vector (entries, 2) float64.
+    start (rows + 1,) int32; column (entries,) int32; vector (entries, 2) float64.
     """
 
     start: Integers
-    index: Integers
+    column: Integers
     vector: Floats
 
 
@@ -175,8 +175,8 @@ def build_model(
     point_material = (unique // 16 % len(material_names)).astype(np.int32)
     points = len(unique)
     corner_area = np.repeat(areas / 3.0, 3)
-    point_area = np.bincount(corner_point, corner_area, minlength=points)
-    particle_area = np.bincount(corner_particle, corner_area, minlength=count)
+    point_area = np.asarray(np.bincount(corner_point, corner_area, minlength=points), dtype=np.float64)
+    particle_area = np.asarray(np.bincount(corner_particle, corner_area, minlength=count), dtype=np.float64)
 
     rows = np.repeat(corner_point, 3)
     columns = np.repeat(triangles.astype(np.int64), 3, axis=0).ravel()
@@ -242,7 +242,9 @@ def _compress(
 
 def _transposed(rows: SparseVectors, column_count: int) -> SparseVectors:
     row_of_entry = np.repeat(np.arange(len(rows.start) - 1), np.diff(rows.start))
-    order = np.argsort(rows.index, kind="stable")
+    order = np.argsort(rows.column, kind="stable")
     start = np.zeros(column_count + 1, dtype=np.int32)
-    np.cumsum(np.bincount(rows.index, minlength=column_count), out=start[1:])
-    return SparseVectors(start, row_of_entry[order].astype(np.int32), np.ascontiguousarray(rows.vector[order]))
+    np.cumsum(np.bincount(rows.column, minlength=column_count), out=start[1:])
+    return SparseVectors(
+        start, row_of_entry[order].astype(np.int32), np.ascontiguousarray(rows.vector[order])
+    )

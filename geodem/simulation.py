@@ -197,7 +197,9 @@ class Simulation:
             raise UnstableError(
                 f"step {state.steps}: the force on particle {worst} at {self.model.positions[worst]} m is not finite"
             )
-        return Measures(float(unbalanced) / self.force_scale, displacement, self.moving_share(state.displacement))
+        return Measures(
+            float(unbalanced) / self.force_scale, displacement, self.moving_share(state.displacement)
+        )
 
     def relax(self, tolerance: float = 1e-6, max_steps: int = 100_000, batch: int = 50) -> Measures:
         """Run until the unbalanced force ratio is below `tolerance`, or `max_steps` are done."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import NamedTuple
+from dataclasses import dataclass, fields, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +25,18 @@ class Field(NamedTuple):
 FIELDS = (
     Field("displacement", "m", "(particles, 2)", "displacement from the elastic state under gravity"),
     Field("velocity", "m/step", "(particles, 2)", "displacement per relaxation step, half a step ahead"),
-    Field("force", "N/m", "(particles, 2)", "unbalanced force of the last step, reactions of held freedoms included"),
-    Field("stress", "Pa, -", "(stress points, 4)", "in-plane stress xx, yy, xy (tension positive); plastic shear strain"),
+    Field(
+        "force",
+        "N/m",
+        "(particles, 2)",
+        "unbalanced force of the last step, reactions of held freedoms included",
+    ),
+    Field(
+        "stress",
+        "Pa, -",
+        "(stress points, 4)",
+        "in-plane stress xx, yy, xy (tension positive); plastic shear strain",
+    ),
     Field("dissipation", "J/m3", "(stress points,)", "plastic work per volume"),
 )
 """Every array of the state: writers, checkpoints and documentation read this table."""
@@ -55,7 +65,8 @@ class State:
 
     def copy(self) -> State:
         """An independent copy."""
-        return State(**{f.name: _copied(getattr(self, f.name)) for f in fields(self)})
+        copies: dict[str, Any] = {name: array.copy() for name, array in self.arrays().items()}
+        return replace(self, **copies)
 
     def arrays(self) -> dict[str, Floats]:
         """The arrays by name, in the order of `FIELDS`."""
@@ -63,8 +74,7 @@ class State:
 
     def numbers(self) -> dict[str, float | int]:
         """The numbers by name."""
-        return {field.name: getattr(self, field.name) for field in fields(self) if field.type in ("float", "int")}
+        return {
+            field.name: getattr(self, field.name) for field in fields(self) if field.type in ("float", "int")
+        }
 
-
-def _copied(value: object) -> object:
-    return value.copy() if isinstance(value, np.ndarray) else value

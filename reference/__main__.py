@@ -9,7 +9,11 @@ import sys
 # Command to module; a module has HELP, add_arguments(parser) and main(arguments) -> exit status. Modules are
 # imported only when a command line names them, so that the quick ones stay quick.
 COMMANDS = {
+    "list": "reference.list_command",
+    "run": "reference.run_command",
+    "bench": "reference.bench_command",
     "limit-equilibrium": "reference.limit_equilibrium_command",
+    "pages": "reference.pages",
 }
 
 

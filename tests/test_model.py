@@ -153,8 +153,8 @@ def test_force_is_the_transpose_of_strain(any_model):
 
 def test_both_gathers_hold_the_same_numbers(any_model):
     points, particles = any_model.point_gradient, any_model.particle_gradient
-    by_point = sorted(zip(rows_of(points), points.index, *points.vector.T, strict=True))
-    by_particle = sorted(zip(particles.index, rows_of(particles), *particles.vector.T, strict=True))
+    by_point = sorted(zip(rows_of(points), points.column, *points.vector.T, strict=True))
+    by_particle = sorted(zip(particles.column, rows_of(particles), *particles.vector.T, strict=True))
     assert by_point == by_particle
 
 

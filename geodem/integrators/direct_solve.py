@@ -1,8 +1,8 @@
 """The elastic state under given loads, solved instead of relaxed.
 
 Sparse Cholesky-like factorisation (SuperLU, symmetric mode) up to `DIRECT_LIMIT` particles, conjugate gradients
-beyond: measured on two cores, 0.03 / 0.3 / 3.3 s for the factorisation and 0.03 / 0.2 / 1.7 s for conjugate gradients at
-2,500 / 10,000 / 50,000 particles.
+beyond: measured on two cores, 0.03 / 0.3 / 3.3 s for the factorisation and 0.03 / 0.2 / 1.7 s for conjugate
+gradients at 2,500 / 10,000 / 50,000 particles.
 """
 
 from __future__ import annotations
@@ -62,7 +62,13 @@ def stiffness(model: Model) -> csr_matrix:
     cross = diags((area_modulus - shear_modulus) * inverse)
     tangent = diags(shear_modulus * inverse)
     mixed = along_x.T @ cross @ along_y
-    matrix = along_x.T @ normal @ along_x + along_y.T @ normal @ along_y + mixed + mixed.T + shear.T @ tangent @ shear
+    matrix = (
+        along_x.T @ normal @ along_x
+        + along_y.T @ normal @ along_y
+        + mixed
+        + mixed.T
+        + shear.T @ tangent @ shear
+    )
     return matrix.tocsr()
 
 
@@ -110,7 +116,9 @@ def solve_elastic(
         load -= matrix @ displacement
     reduced = matrix[free][:, free]
     floating = InputError(
-        "boundary", "part of the ground is not held, so it has no equilibrium", "Hold it: bottom = 'fixed' or a roller"
+        "boundary",
+        "part of the ground is not held, so it has no equilibrium",
+        "Hold it: bottom = 'fixed' or a roller",
     )
     # BLAS threads change the order of sums, and with it the bits
     with threadpool_limits(1):

@@ -1,7 +1,7 @@
 """The loops of stress-carrying particles: gather strain, let the law update the stress, gather force, move.
 
-These functions are never run as they stand here (but in tests): `geodem._jit.compile_kernel` joins their text with that of
-a law and with the constants below, set to what the scene has.
+These functions are never run as they stand here (but in tests): `geodem._jit.compile_kernel` joins their text with
+that of a law and with the constants below, set to what the scene has.
 
 Time is counted in steps: one step is one unit, and the inertial mass of a freedom is its stiffness sum scaled
 so that this step is stable (see `geodem.integrators.relaxation`). True weight is kept. Leap-frog: after a step
@@ -10,9 +10,7 @@ the stress and the displacement belong to the same instant, the velocity to half
 
 from __future__ import annotations
 
-import math  # noqa: F401  (the law's)
-
-import numpy as np
+import math
 
 from ..laws.ground.mohr_coulomb import elastic_energy, update_stress
 
@@ -60,7 +58,9 @@ def deform(velocity, start, index, vector, area, material, table, stress, dissip
             stress[point, 3] += plastic_shear
             if ENERGY and plastic_shear + abs(plastic_area) > 0.0:
                 # what the stress worked and did not store, whatever the law's way back to its strength
-                done = 0.5 * (old_xx + new_xx) * xx + 0.5 * (old_yy + new_yy) * yy + 0.5 * (old_xy + new_xy) * xy
+                done = (
+                    0.5 * (old_xx + new_xx) * xx + 0.5 * (old_yy + new_yy) * yy + 0.5 * (old_xy + new_xy) * xy
+                )
                 stored = elastic_energy(table[row, 0], table[row, 1], new_xx, new_yy, new_xy)
                 stored -= elastic_energy(table[row, 0], table[row, 1], old_xx, old_yy, old_xy)
                 dissipation[point] += done * inverse - stored

@@ -81,15 +81,26 @@ class Criteria:
         balanced = ratio < self.balanced_ratio * sqrt(moving_share)
         if displacement > self.failed_settlements * settlement and self._is_steady(history):
             if balanced:
-                return "stable", f"a long way, but in balance to {self.balanced_ratio:g} of the weight that moves"
-            return "failed", f"moved more than {self.failed_settlements:g} elastic settlements, not slowing down"
+                return (
+                    "stable",
+                    f"a long way, but in balance to {self.balanced_ratio:g} of the weight that moves",
+                )
+            return (
+                "failed",
+                f"moved more than {self.failed_settlements:g} elastic settlements, not slowing down",
+            )
         if steps < max_steps:
             return None
         if balanced:
-            return "stable", f"in balance to {self.balanced_ratio:g} of the weight that moves after {steps} steps"
+            return (
+                "stable",
+                f"in balance to {self.balanced_ratio:g} of the weight that moves after {steps} steps",
+            )
         quarter = max(1, len(history) // 4)
         last = displacement - history[-1 - quarter][2]
-        before = history[-1 - quarter][2] - history[-1 - 2 * quarter][2] if len(history) > 2 * quarter else last
+        before = (
+            history[-1 - quarter][2] - history[-1 - 2 * quarter][2] if len(history) > 2 * quarter else last
+        )
         if last > self.growing * before and last > self.growing_settlements * settlement:
             return "failed", f"still growing after {steps} steps"
         return "undecided", f"neither at rest nor growing after {steps} steps"

@@ -1,6 +1,7 @@
 """What a factor does to the ground: the methods that a search can drive.
 
-A gravity factor is a load factor, and so is that of a load. It equals the factor of safety only where friction is zero or both are one.
+A gravity factor is a load factor, and so is that of a load. It equals the factor of safety only where friction is
+zero or both are one.
 """
 
 from __future__ import annotations
@@ -33,7 +34,10 @@ class Method(Protocol):
 
 
 class StrengthReduction:
-    """c/F and tan(phi)/F, psi at most phi_F, tension cut by F. Zienkiewicz, Humpheson & Lewis 1975 (Geotechnique 25:671)."""
+    """c/F and tan(phi)/F, psi at most phi_F, tension cut by F.
+
+    Reference: Zienkiewicz, Humpheson & Lewis 1975 (Geotechnique 25:671).
+    """
 
     kind: ClassVar[str] = "strength-reduction"
     meaning: ClassVar[str] = "factor of safety: strength over the strength at which the ground fails"
@@ -56,13 +60,17 @@ class GravityIncrease:
     """Gravity times the factor, strength kept. A load factor. Li, Tang, Zhu & Liang 2009 (Comput. Geotech. 36:1246)."""
 
     kind: ClassVar[str] = "gravity-increase"
-    meaning: ClassVar[str] = "load factor: gravity at which the ground fails over gravity; not a factor of safety"
+    meaning: ClassVar[str] = (
+        "load factor: gravity at which the ground fails over gravity; not a factor of safety"
+    )
     limits: ClassVar[tuple[float, float]] = (0.02, 1000.0)
 
     def __init__(self, simulation: Simulation) -> None:
         # the elastic answer to gravity alone; surcharges do not grow
         loaded = simulation.model.load.any()
-        self._unit = simulation.solve(simulation.model.weight, simulation.matrix) if loaded else simulation.elastic
+        self._unit = (
+            simulation.solve(simulation.model.weight, simulation.matrix) if loaded else simulation.elastic
+        )
 
     def apply(self, simulation: Simulation, factor: float) -> None:
         """Multiply gravity by `factor`."""
@@ -81,12 +89,16 @@ class LoadIncrease:
     """Loads times the factor, gravity and strength kept: the bearing capacity over the load. A load factor."""
 
     kind: ClassVar[str] = "load-increase"
-    meaning: ClassVar[str] = "load factor: load at which the ground fails over the load given; not a factor of safety"
+    meaning: ClassVar[str] = (
+        "load factor: load at which the ground fails over the load given; not a factor of safety"
+    )
     limits: ClassVar[tuple[float, float]] = (0.02, 1000.0)
 
     def __init__(self, simulation: Simulation) -> None:
         weightless = not simulation.model.weight.any()
-        self._unit = simulation.elastic if weightless else simulation.solve(simulation.model.load, simulation.matrix)
+        self._unit = (
+            simulation.elastic if weightless else simulation.solve(simulation.model.load, simulation.matrix)
+        )
 
     def apply(self, simulation: Simulation, factor: float) -> None:
         """Multiply the loads by `factor`."""

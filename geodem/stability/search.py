@@ -87,7 +87,9 @@ class Search:
         while self.current is not None or self._begin():
             started = time.perf_counter()
             measures = self.simulation.run(self.criteria.batch)
-            self.history.append((self.simulation.state.steps, measures.unbalanced_ratio, measures.mean_displacement))
+            self.history.append(
+                (self.simulation.state.steps, measures.unbalanced_ratio, measures.mean_displacement)
+            )
             self.moving_share = measures.moving_share
             self.seconds += time.perf_counter() - started
             self._judge()
@@ -95,7 +97,9 @@ class Search:
                 on_batch(self)
         return bracket(self.trials)
 
-    def continue_trial(self, factor: float, history: Sequence[tuple[int, float, float]], state: State) -> None:
+    def continue_trial(
+        self, factor: float, history: Sequence[tuple[int, float, float]], state: State
+    ) -> None:
         """Take up a trial where a checkpoint left it."""
         self.method.apply(self.simulation, factor)
         self.simulation.state = state
@@ -140,7 +144,16 @@ class Search:
         steps, ratio, displacement = self.history[-1]
         self.trials.append(
             Trial(
-                factor, verdict, criterion, steps, ratio, displacement, particles, self.model, self.seconds, self.history
+                factor,
+                verdict,
+                criterion,
+                steps,
+                ratio,
+                displacement,
+                particles,
+                self.model,
+                self.seconds,
+                self.history,
             )
         )
         now = bracket(self.trials)
@@ -179,4 +192,3 @@ class Search:
         if self.current is None:
             return left * mean
         return max(left - 1, 0) * mean + max(mean - self.seconds, 0.25 * mean)
-

@@ -38,7 +38,7 @@ def test_truncated_file_is_refused(tmp_path):
     data = path.read_bytes()
     for length in (0, 100, len(data) // 2, len(data) - 1):
         path.write_bytes(data[:length])
-        with pytest.raises(InputError, match="damaged|changed|not a checkpoint"):
+        with pytest.raises(InputError, match=r"damaged|changed|not a checkpoint"):
             read_checkpoint(path)
 
 

@@ -25,7 +25,9 @@ def draw(path: Path) -> None:
     for corners, colour in ((GROUND, SOIL), (WEAK, SEAM)):
         # the pen includes the last pixel, hence the half
         pen.polygon([((x - LEFT) * scale - 0.5, (TOP - y) * scale - 0.5) for x, y in corners], fill=colour)
-    picture.resize((size[0] // SMOOTHING, size[1] // SMOOTHING), Image.Resampling.BOX).save(path, optimize=True)
+    picture.resize((size[0] // SMOOTHING, size[1] // SMOOTHING), Image.Resampling.BOX).save(
+        path, optimize=True
+    )
 
 
 if __name__ == "__main__":

@@ -90,7 +90,9 @@ def update_stress(
     squared = d * d + q * q
     # f > 0 without the square root: nearly every particle is elastic, and a root costs as much as the rest
     strength = cohesion_cos_phi - s * sin_phi
-    if PLASTIC and (squared > strength * abs(strength) or (TENSION and s + math.sqrt(squared) > tensile_strength)):
+    if PLASTIC and (
+        squared > strength * abs(strength) or (TENSION and s + math.sqrt(squared) > tensile_strength)
+    ):
         radius = math.sqrt(squared)
         t = radius
         excess = t - strength
@@ -136,7 +138,10 @@ def elastic_energy(area_modulus, shear_modulus, stress_xx, stress_yy, stress_xy)
 
 def features(materials: Sequence[MohrCoulombParameters], *, plastic: bool) -> dict[str, bool]:
     """Which branches of the law these materials need."""
-    return {"PLASTIC": plastic, "TENSION": plastic and any(math.isfinite(m.tensile_strength) for m in materials)}
+    return {
+        "PLASTIC": plastic,
+        "TENSION": plastic and any(math.isfinite(m.tensile_strength) for m in materials),
+    }
 
 
 def elastic_moduli(material: MohrCoulombParameters) -> tuple[float, float]:

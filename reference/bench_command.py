@@ -1,0 +1,23 @@
+"""``python -m reference bench NAME``: measure, print a table, store the rows."""
+
+from __future__ import annotations
+
+import argparse
+
+from .benchmarks import slopes
+
+HELP = "measure run time against error and store the rows under reference/results"
+
+BENCHMARKS = {"slopes": slopes}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """One sub-command a benchmark."""
+    names = parser.add_subparsers(dest="name", required=True)
+    for name, module in BENCHMARKS.items():
+        module.add_arguments(names.add_parser(name, help=(module.__doc__ or "").splitlines()[0]))
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """Run the named benchmark."""
+    return BENCHMARKS[arguments.name].main(arguments)

@@ -1,0 +1,1 @@
+"""Benchmarks: run time against error, measured one thing at a time."""

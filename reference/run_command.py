@@ -1,0 +1,42 @@
+"""``python -m reference run NAME``: run a group of problems and hold every figure to its bound."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from types import ModuleType
+
+from .problems import ground
+from .results_file import store_rows
+
+HELP = "run a group of problems, print every figure beside its bound, store the rows; exit status 0 if all are good"
+
+PROBLEMS: dict[str, ModuleType] = {"ground": ground}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The name of the group."""
+    parser.add_argument("name", choices=sorted(PROBLEMS))
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """Run a group; 0 only where every figure is within its bound."""
+    rows = PROBLEMS[arguments.name].run()
+    for row in rows:
+        error, bound = 100.0 * row.error, 100.0 * row.bound
+        print(
+            f"{'good' if row.good else 'MISS':4s} {row.name:28s} {row.quantity:44s} {row.value:11.5g} "
+            f"expected {row.expected:11.5g} error {error:+.3f} % bound {bound:g} % {row.seconds:.1f} s"
+        )
+    stored = [
+        {
+            **row._asdict(),
+            "error_percent": 100.0 * row.error,
+            "bound_percent": 100.0 * row.bound,
+            "good": row.good,
+        }
+        for row in rows
+    ]
+    path = store_rows(arguments.name, stored, "python -m reference " + " ".join(sys.argv[1:]))
+    print(f"stored in {path}")
+    return 0 if all(row.good for row in rows) else 1
