@@ -26,10 +26,11 @@ lint: $(VENV)/dev.done
 	@$(BIN)/lint-imports
 
 docs: $(VENV)/dev.done
-	@$(BIN)/python -m mkdocs build --strict --quiet
+	@$(BIN)/python -m mkdocs build --strict --quiet -f docs/mkdocs/mkdocs.yml
 
 bench: $(VENV)/dev.done
 	@$(BIN)/python -m reference bench slopes
+	@$(BIN)/python -m reference pages
 
 # a virtual environment, made only where Python can make one: Debian keeps that part in a package of its own
 $(VENV)/bin/python:

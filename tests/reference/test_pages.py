@@ -1,0 +1,156 @@
+"""The generated pages, from results made up so that every figure on them can be worked out by hand."""
+
+import json
+import re
+
+import pytest
+
+from reference.pages import read_results, write_pages
+from tests.docs.pages import tables
+
+HEADER = {
+    "command": "python -m reference bench slopes",
+    "date": "2026-01-02",
+    "versions": {"geodem": "0.1.0", "numpy": "2.0"},
+    "machine": "2 cores",
+}
+
+
+def _row(case, asked, error, seconds, **changes):
+    row = {
+        "case": case,
+        "method": "strength-reduction",
+        "dilation": "associated",
+        "asked": asked,
+        "particles": asked,
+        "spacing": 0.5,
+        "factor": None if error is None else 2.0 * (1.0 + error / 100.0),
+        "stable": 1.0,
+        "failed": 3.0,
+        "undecided": [],
+        "published": 2.0,
+        "published_source": "Author 1950 | table 1",
+        "error_percent": error,
+        "seconds": seconds,
+        "seconds_build": 0.25,
+        "steps": 1000,
+        "threads": 1,
+    }
+    return {**row, **changes}
+
+
+ROWS = [
+    _row("A", 1000, 1.0, 1.0),
+    _row("B", 1000, -4.0, 2.0),
+    _row("C", 1000, 0.0, 6.0),
+    _row("A", 4000, 0.5, 8.0),
+    _row("B", 4000, -1.5, 16.0, undecided=[1.9, 1.95]),
+    _row("C", 4000, None, 16.0, failed=None),
+    _row("A", 1000, 3.0, 1.0, method="gravity-increase", published=5.0),
+    _row("A", 1000, -2.0, 1.0, dilation="zero"),
+]
+GROUND = [
+    {"name": "ring", "quantity": "wall stress [Pa]", "value": 79.2e6, "expected": 80e6, "error_percent": -1.0,
+     "bound_percent": 1.5, "particles": 2500, "seconds": 0.5, "source": "Kirsch 1898"},
+    {"name": "ring", "quantity": "closure [m]", "value": 0.0104, "expected": 0.01, "error_percent": 4.0,
+     "bound_percent": 3.0, "particles": 2500, "seconds": 0.5, "source": "Kirsch 1898"},
+]  # fmt: skip
+
+
+@pytest.fixture
+def written(tmp_path):
+    results = tmp_path / "results"
+    results.mkdir()
+    (results / "slopes.json").write_text(json.dumps({**HEADER, "rows": ROWS}))
+    (results / "ground.json").write_text(json.dumps({"header": HEADER, "rows": GROUND}))
+    write_pages(results, tmp_path / "docs")
+    return tmp_path / "docs"
+
+
+def _tables_below(page, heading):
+    """Tables of a page below a heading, by the first cell of their lines."""
+    found = tables(page)
+    assert heading in found, list(found)
+    return found[heading]
+
+
+def test_summary_of_errors(written):
+    rows = _tables_below(
+        written / "verification.md",
+        "Strength reduction: factor of safety, dilation angle equal to the friction angle",
+    )
+    # of 1, -4 and 0: mean -1, mean size 5/3, median size 1, largest 4 at B
+    assert rows[0] == ["1000", "3", "-1.00", "1.67", "1.00", "4.00", "B"]
+    # the open bracket of C has no error
+    assert rows[1] == ["4000", "2", "-0.50", "1.00", "1.00", "1.50", "B"]
+    assert rows[2] == ["A", "2", "2.02 (+1.0)", "2.01 (+0.5)"]
+    assert rows[4] == ["C", "2", "2 (+0.0)", "open"]
+
+
+def test_remarks_on_open_brackets_and_undecided_trials(written):
+    text = (written / "verification.md").read_text()
+    assert "- B at 4000: undecided at 1.9, 1.95" in text
+    assert "- C at 4000: open bracket (stable 1, failed -)" in text
+
+
+def test_methods_and_flow_rules_are_not_mixed(written):
+    text = (written / "verification.md").read_text()
+    headings = re.findall(r"^### (.*)$", text, flags=re.M)
+    assert [heading.split(":")[0] for heading in headings] == [
+        "Strength reduction", "Strength reduction", "Gravity increase", "Published answers",
+    ]  # fmt: skip
+    zero = _tables_below(
+        written / "verification.md", "Strength reduction: factor of safety, dilation angle zero"
+    )
+    assert zero[0][2] == "-2.00"
+
+
+def test_sources_and_origin(written):
+    text = (written / "verification.md").read_text()
+    assert "| A |  | gravity-increase | 5 | Author 1950 \\| table 1 |" in text
+    origin = "Command: `python -m reference bench slopes`; date: 2026-01-02; "
+    assert origin + "versions: geodem 0.1.0, numpy 2.0; machine: 2 cores." in text
+
+
+def test_ground_figures_and_their_bounds(written):
+    rows = _tables_below(written / "verification.md", "Ground")
+    assert [row[6] for row in rows] == ["yes", "**no**"]
+    assert rows[0][4:6] == ["-1.00", "1.5"]
+    assert "1 of 2 figures lie within their bounds" in (written / "verification.md").read_text()
+
+
+def test_times(written):
+    rows = _tables_below(
+        written / "performance.md",
+        "Strength reduction: factor of safety, dilation angle equal to the friction angle",
+    )
+    # seconds 1, 2 and 6
+    assert rows[0] == ["1000", "3", "3", "2", "6", "0.25", "1000", "1"]
+
+
+def test_picture_of_error_against_time(written):
+    from PIL import Image
+
+    assert "pictures/error_against_time.png" in (written / "performance.md").read_text()
+    with Image.open(written / "pictures" / "error_against_time.png") as picture:
+        assert picture.width > 600  # a panel for each of the two methods
+
+
+def test_nothing_was_run(tmp_path):
+    docs = tmp_path / "docs"
+    (docs / "pictures").mkdir(parents=True)
+    stale = docs / "pictures" / "error_against_time.png"
+    stale.write_bytes(b"of an earlier run")
+    write_pages(tmp_path / "no results", docs)
+    text = (docs / "verification.md").read_text()
+    assert text.count("This has not been run yet") == 2
+    assert "`python -m reference bench slopes`" in text
+    assert "error_against_time" not in (docs / "performance.md").read_text()
+    assert not stale.exists()
+
+
+def test_a_file_that_is_something_else_is_refused(tmp_path):
+    path = tmp_path / "slopes.json"
+    path.write_text("[]")
+    with pytest.raises(ValueError, match="rows"):
+        read_results(path)
