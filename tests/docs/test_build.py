@@ -1,0 +1,65 @@
+"""The pages build without a warning, every link leads somewhere, and what is generated is up to date."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+
+from reference.pages import RESULTS, write_pages
+from tests.docs.pages import DOCS, LINK, ROOT, anchors, pages, prose
+
+CONFIGURATION = DOCS / "mkdocs" / "mkdocs.yml"
+
+
+def test_mkdocs_builds_strictly(tmp_path):
+    command = [
+        sys.executable,
+        "-m",
+        "mkdocs",
+        "build",
+        "--strict",
+        "-f",
+        CONFIGURATION,
+        "-d",
+        tmp_path / "site",
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 0, done.stderr
+    built = {path.relative_to(tmp_path / "site") for path in (tmp_path / "site").rglob("*.html")}
+    assert {page.relative_to(DOCS).with_suffix(".html") for page in DOCS.rglob("*.md")} <= built
+    loaded = re.findall(
+        r'<(?:script|link|img)[^>]+(?:src|href)="(https?:[^"]+)"', (tmp_path / "site/index.html").read_text()
+    )
+    assert loaded == [], "a page must not need the network"
+
+
+def test_every_page_is_in_the_menu():
+    menu = CONFIGURATION.read_text()
+    for page in DOCS.rglob("*.md"):
+        assert f": {page.relative_to(DOCS)}\n" in menu, page
+
+
+@pytest.mark.parametrize("page", pages(), ids=lambda page: str(page.relative_to(ROOT)))
+def test_every_link_leads_somewhere(page):
+    for target in LINK.findall(prose(page.read_text(encoding="utf-8"))):
+        if target.startswith(("http://", "https://")):
+            continue
+        name, _, anchor = target.partition("#")
+        path = (page.parent / name).resolve() if name else page
+        assert path.exists(), f"{page}: {target}"
+        if anchor:
+            assert anchor in anchors(path), f"{page}: {target}"
+
+
+def test_generated_pages_are_those_of_the_stored_results(tmp_path):
+    write_pages(RESULTS, tmp_path)
+    for name in ("verification.md", "performance.md"):
+        assert (DOCS / name).read_text() == (tmp_path / name).read_text(), "run: python -m reference pages"
+
+
+def test_pictures_are_light():
+    pictures = list((DOCS / "pictures").glob("*.png"))
+    assert pictures
+    for picture in pictures:
+        assert picture.stat().st_size < 300_000, picture
