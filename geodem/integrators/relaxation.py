@@ -3,7 +3,7 @@
 Every freedom gets the inertia of its own stiffness (density scaling: it changes the way to equilibrium, not the
 equilibrium). With D the row sums of |K|, D^-1 K has eigenvalues in (0, 1]; a few power iterations find the
 largest, Gershgorin's bound gives one. Reference: Underwood 1983, Dynamic relaxation, in Computational Methods for
-Transient Analysis; the adaptive damping after Joldes, Wittek & Miller 2011 (Comput. Meth. Appl. Mech. Eng. 200:20).
+Transient Analysis; the adaptive damping after Joldes, Wittek & Miller 2011 (Int. J. Numer. Meth. Biomed. Eng. 27:173).
 """
 
 from __future__ import annotations
