@@ -24,7 +24,7 @@ SHARP_TURN = np.radians(45.0)
 # smaller turns are round-off of a straight line
 STRAIGHT_TURN = 1e-9
 # features lower than this share of the spacing are noise of the line, not shape
-NOISE = 0.03
+NOISE = 0.05
 # a vertex between two runs of at least this share of the spacing costs no refinement, so it is kept
 LONG_RUN = 0.7
 
@@ -207,15 +207,14 @@ def split_at_corners(graph: Graph, spacing: Floats) -> tuple[list[Chain], Mask, 
             )
             if len(rough) < 3:
                 continue
-            survivors = (graph.vertices[run][:, None] == rough[None]).all(axis=2).any(axis=1)
             sides = np.diff(rough, axis=0)
             rough_turn = _turns(sides)
-            stands_out = np.zeros(len(run), dtype=bool)
-            stands_out[1:-1] = survivors[1:-1] & (turns[run[1:-1]] > CORNER_TURN)
-            sharp = np.zeros(len(run), dtype=bool)
-            for place in rough[1:-1][rough_turn > SHARP_TURN]:
-                sharp |= (graph.vertices[run] == place).all(axis=1)
-            found = run[stands_out | sharp]
+            # noise turns much in the line but little once simplified, and an arc the other way round
+            found = []
+            for place, turned in zip(rough[1:-1], rough_turn, strict=True):
+                here = run[1:-1][(graph.vertices[run[1:-1]] == place).all(axis=1)]
+                if turned > SHARP_TURN or (turned > CORNER_TURN and turns[here].max() > CORNER_TURN):
+                    found.append(int(here[0]))
             corner[found] = True
             length = np.hypot(*sides.T)
             smooth = (rough_turn > STRAIGHT_TURN) & ~_rows_in(rough[1:-1], graph.vertices[found])

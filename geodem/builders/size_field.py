@@ -175,13 +175,14 @@ def lay_out(
         False: thin regions are found but do not limit the spacing.
     """
     own = SizeField(base, grading, np.empty((0, 2)), np.empty(0), tuple(shapes))
-    size, corner = own, graph.pinned
+    size, shape, corner = own, own, graph.pinned
     chains: list[Chain] = []
     thin = ThinPlaces(np.empty((0, 2)), np.empty(0), np.empty(0), np.empty(0, dtype=np.int64))
     # what is found depends on how finely it is looked for: look again where the first look refined much
     for _ in range(4):
         before = size.smallest
-        chains, corner, (bends, allowed) = split_at_corners(graph, size(graph.vertices))
+        # what counts as noise of a line follows from what was asked for, not from the refinement at its corners
+        chains, corner, (bends, allowed) = split_at_corners(graph, shape(graph.vertices))
         bare = own.with_limits(bends, allowed)
         bare = bare.with_limits(*_near_corners(chains, graph.vertices[corner], free, base))
         _, lengths = place_along(
@@ -189,6 +190,7 @@ def lay_out(
         )
         thin = _thin_places(section, chains, lengths, bare, layers)
         size = bare.with_limits(thin.places, thin.thickness / layers) if heed_thin else bare
+        shape = own.with_limits(thin.places, thin.thickness / layers)
         if size.smallest > 0.6 * before:
             break
     return Layout(chains, corner, size, thin)

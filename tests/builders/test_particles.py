@@ -274,7 +274,7 @@ def test_hilbert_curve_steps_to_the_next_cell() -> None:
 
 def test_noise_of_a_line_does_not_refine() -> None:
     x = np.linspace(0, 60, 600)
-    rough = 10 + 2 * np.sin(x / 6) + 0.004 * np.random.default_rng(1).standard_normal(600)
+    rough = 10 + 2 * np.sin(x / 6) + 0.01 * np.random.default_rng(1).standard_normal(600)
     particles = fill_section(
         Section.from_polygons([("soil", [*zip(x, rough, strict=True), (60, 0), (0, 0)])]), spacing=0.8
     )
