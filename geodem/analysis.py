@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 
 from ._jit import compile_seconds
 from ._version import __version__
-from .building import case_identity, make_model, make_particles, make_section
 from .builders.filling import TooFewParticlesError
 from .builders.particles import Particles
 from .builders.section import Section
+from .building import case_identity, make_model, make_particles, make_section
 from .case import Case
 from .errors import InputError, StoppedError
 from .io.checkpoint import read_checkpoint, write_checkpoint
@@ -241,6 +241,7 @@ class Analysis:
             step=0.03,
             model="coarse",
         )
+        self.watch(Update("search", f"{record.kind} without dilation"))
         search.run(self._on_coarse_batch)
         record.zero_dilation = search.trials
 
@@ -285,7 +286,7 @@ class Analysis:
         self._tell(search)
         if self.stop_asked():
             self.save()
-            raise StoppedError("stopped while bracketing on the coarse model")
+            raise StoppedError("stopped on the coarse model")
 
     def _tell(self, search: Search) -> None:
         if self.seconds_to_first_step is None:

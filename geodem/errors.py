@@ -38,7 +38,8 @@ class InputError(ValueError):
     def __str__(self) -> str:
         found = "" if self.value is None else f" = {self.value!r}"
         shown = "" if self.picture is None else f" See {self.picture}."
-        return f"{self.place}{found}: {self.problem}. {self.remedy}{shown}"
+        remedy = self.remedy if self.remedy.endswith((".", "?", ")")) else f"{self.remedy}."
+        return f"{self.place}{found}: {self.problem}. {remedy}{shown}"
 
 
 class InputErrors(InputError):

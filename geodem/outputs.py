@@ -15,7 +15,7 @@ from .builders.ground import downhill
 from .building import picture_bytes, portable_text
 from .case import ImageSection
 from .io.files import write_whole
-from .io.history import HistoryWriter
+from .io.history import write_history
 from .io.vtkhdf import write_vtkhdf
 from .measure.failure import Failure, describe_failure
 from .plotting.report import write_report
@@ -48,13 +48,15 @@ def write_case(analysis: Analysis, folder: Path) -> None:
     write_whole(folder / "case.toml", portable_text(analysis.case))
 
 
-def write_history(analysis: Analysis, folder: Path) -> None:
+def write_trials(analysis: Analysis, folder: Path) -> None:
     """history.csv: every trial's unbalanced force and displacement, batch by batch."""
-    with HistoryWriter(folder / "history.csv", HISTORY_COLUMNS) as writer:
-        for kind, record in analysis.records.items():
-            for trial in (*record.coarse, *record.fine):
-                for steps, ratio, displacement in trial.history:
-                    writer.write(kind, trial.model, trial.factor, steps, ratio, displacement)
+    records = (
+        (kind, trial.model, trial.factor, *entry)
+        for kind, record in analysis.records.items()
+        for trial in (*record.coarse, *record.fine)
+        for entry in trial.history
+    )
+    write_history(folder / "history.csv", HISTORY_COLUMNS, records)
 
 
 def write_outputs(
@@ -91,7 +93,7 @@ def write_outputs(
                 "slip_surface_m": failure.slip_surface.tolist(),
                 "largest_displacement_m": float(np.sqrt((failure.displacement**2).sum(axis=1)).max()),
             }
-    write_history(analysis, folder)
+    write_trials(analysis, folder)
     draw_outputs(analysis, folder, result, failures)
     # last, so that a result that says "done" has everything beside it
     result = _finite(result)

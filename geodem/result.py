@@ -62,8 +62,8 @@ def assemble(analysis: Analysis) -> dict[str, Any]:
         else {"factor": case.reference.factor, "source": case.reference.source},
         "versions": versions(),
         "spacing_where_it_failed": analysis.focus,
-        "notices": [*case.notices, *particles.messages, *_focus_notice(analysis.focus)],
-        "warnings": [*case.questions, *dilation_warnings(case), *bracket_warnings(factors)],
+        "notices": _listed(*case.notices, *particles.messages, *_focus_notice(analysis.focus)),
+        "warnings": _listed(*case.questions, *dilation_warnings(case), *bracket_warnings(factors)),
         "digest": _digest(particles.positions, records),
     }
 
@@ -145,6 +145,11 @@ def energy_entry(snapshot: Snapshot) -> dict[str, float]:
         "kinetic_J_per_m": account.kinetic,
         "closure": account.closure,
     }
+
+
+def _listed(*texts: str) -> list[str]:
+    """Sentences from many places, as entries of a list: without their full stops."""
+    return [text.removesuffix(".") for text in texts]
 
 
 def _focus_notice(focus: float) -> list[str]:

@@ -105,6 +105,7 @@ def build_ground(
     split: list[tuple[int, int]] = []
     for number, surcharge in enumerate(surcharges):
         path = surface_between(particles, surcharge.start, surcharge.end, place=f"loads.surcharge[{number}]")
+        _require_free(positions, path, held, place=f"loads.surcharge[{number}]")
         load += pressure_load(positions, path, surcharge.pressure)
         ends = {int(path[0, 0]), int(path[-1, 1])}
         split += [(end, LOAD_EDGE_SECTORS) for end in sorted(ends)]
@@ -253,6 +254,20 @@ def _route(following: Mapping[int, list[int]], start: int, end: int) -> list[tup
             return route
         if node == start or len(route) > len(following):
             return []
+
+
+def _require_free(
+    positions: Floats, edges: Integers, held: NDArray[np.bool_], *, place: str
+) -> None:
+    """A load on a support goes into the support: it was meant for another place."""
+    resting = held[edges].any(axis=2).all(axis=1)
+    if resting.any():
+        first, second = positions[edges[np.flatnonzero(resting)[0]]]
+        raise InputError(
+            place,
+            f"it lies on a support between ({first[0]:.4g}, {first[1]:.4g}) and ({second[0]:.4g}, {second[1]:.4g}) m",
+            "Put it on the free surface of the ground",
+        )
 
 
 def pressure_load(positions: Floats, edges: Integers, pressure: float | Floats) -> Floats:

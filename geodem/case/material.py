@@ -30,6 +30,7 @@ _DENSITY = (
 )  # [kg/m3]; holds the range of unit weights, so that a case may be written either way
 _YOUNG_MODULUS = (1e5, 3e11)  # [Pa]
 _LARGEST_COHESION = 1e8  # [Pa]
+_LARGEST_POISSON_RATIO = 0.499  # beyond, trials are undecided when their steps run out
 _COHESION_PER_MODULUS = 0.05  # soils and rocks lie between 1/2000 and 1/50
 _ANGLE_LIKE_RADIANS = math.radians(1.6)  # pi/2 typed as degrees is 1.57
 _STEEP_FRICTION = math.radians(60.0)
@@ -163,12 +164,14 @@ def _dilation(value: float) -> tuple[str, str] | None:
 
 
 def _poisson(value: float) -> tuple[str, str] | None:
-    if 0.0 <= value < 0.5:
+    if 0.0 <= value <= _LARGEST_POISSON_RATIO:
         return None
     if 0.0 <= value / 100.0 < 0.5 and value >= 1.0:
         return "Poisson's ratio lies between 0 and 0.5", f"Did you mean {value / 100.0:g}?"
-    hint = "Write 0.49 for ground that keeps its volume." if value == 0.5 else "Most ground has 0.2 to 0.4."
-    return "Poisson's ratio lies between 0 and 0.5 (0.5 itself excluded)", hint
+    if _LARGEST_POISSON_RATIO < value <= 0.5:
+        problem = "so near 0.5 the ground hardly changes its volume, and relaxes ever more slowly"
+        return problem, "Write 0.49 for ground that keeps its volume."
+    return "Poisson's ratio lies between 0 and 0.5 (0.5 itself excluded)", "Most ground has 0.2 to 0.4."
 
 
 def _density(table: Table) -> float | None:

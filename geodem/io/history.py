@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import TextIO
@@ -108,6 +108,18 @@ class HistoryWriter:
             )
         if len(whole) < len(content):
             write_whole(self.path, whole)
+
+
+def write_history(path: Path | str, columns: Sequence[str], records: Iterable[Sequence[object]]) -> None:
+    """Write a whole history at once, as `HistoryWriter` would line by line.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written; what stood there is untouched.
+    """
+    lines = [_line(columns), *(_line([_text(value) for value in record]) for record in records)]
+    write_whole(path, "".join(lines))
 
 
 def read_history(path: Path | str) -> Mapping[str, NDArray]:

@@ -1,0 +1,70 @@
+"""Small cases for the tests of the whole chain, and how they are run as a program."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parent.parent
+
+SLOPE = """\
+workflow = "slope"
+title = "Small slope"
+particles = 500
+methods = ["strength-reduction", "gravity-increase"]
+tolerance = 0.02
+seed = 3
+
+[section]
+regions = [{material = "soil", polygon = [[0,0],[40,0],[40,15],[25,15],[10,5],[0,5]]}]
+
+[boundary]
+left = "roller"
+right = "roller"
+bottom = "fixed"
+
+[material.soil]
+law = "mohr_coulomb"
+unit_weight = "20 kN/m3"
+cohesion = "10 kPa"
+friction_angle = "20 deg"
+dilation_angle = "20 deg"
+young_modulus = "100 MPa"
+poisson_ratio = 0.3
+"""
+
+# a coarse model, a second set of particles where it failed, and the search without dilation: every stage of a run
+STAGES = (
+    SLOPE.replace("particles = 500", "particles = 1650")
+    .replace("tolerance = 0.02", "tolerance = 0.05")
+    .replace('dilation_angle = "20 deg"\n', "")
+)
+
+
+def write_case(folder: Path, text: str = SLOPE) -> Path:
+    """A folder that holds a case."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "case.toml").write_text(text)
+    return folder
+
+
+def environment(**more: str) -> dict[str, str]:
+    """Of a geodem that is started as a program; two threads are possible in it."""
+    return {**os.environ, "NUMBA_NUM_THREADS": "2", "PYTHONPATH": str(ROOT), **more}
+
+
+def geodem(*arguments: object, **options: Any) -> subprocess.CompletedProcess[str]:
+    """Run a command of geodem as a user does."""
+    command = [sys.executable, "-m", "geodem", *map(str, arguments)]
+    return subprocess.run(
+        command, capture_output=True, text=True, env=environment(), timeout=120, check=False, **options
+    )
+
+
+def result_of(folder: Path) -> dict[str, Any]:
+    """What result.json holds."""
+    return dict(json.loads((folder / "result.json").read_text()))
