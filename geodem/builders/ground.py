@@ -20,8 +20,8 @@ Integers = NDArray[np.int32]
 STANDARD_GRAVITY = 9.81
 """Acceleration of gravity [m/s2]; the value geotechnical codes turn unit weights into densities with."""
 
-LOAD_EDGE_SECTORS = 4
-"""Stress points around a particle at the edge of a load."""
+LOAD_EDGE_SECTORS = (4, 3, 2)
+"""Stress points around a particle at the edge of a load, each of its neighbours, and each of theirs."""
 
 SIDES = {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1)}
 """Side of the section: its axis, and whether it is the lowest or the highest coordinate."""
@@ -108,11 +108,14 @@ def build_ground(
         _require_free(positions, path, held, place=f"loads.surcharge[{number}]")
         load += pressure_load(positions, path, surcharge.pressure)
         ends = {int(path[0, 0]), int(path[-1, 1])}
-        split += [(end, LOAD_EDGE_SECTORS) for end in sorted(ends)]
+        for end in sorted(ends):
+            split += around_load_edge(triangles, end)
     names = particles.materials
     laws = {materials[name].law for name in names}
     if len(laws) > 1:
-        raise InputError("material", f"one section with several laws {sorted(laws)}", "Use one law for all materials")
+        raise InputError(
+            "material", f"one section with several laws {sorted(laws)}", "Use one law for all materials"
+        )
     sideways = horizontal_acceleration * downhill(positions, particles.boundary_edges)
     return build_model(
         positions,
@@ -125,8 +128,24 @@ def build_ground(
         gravity=(sideways, -gravity),
         load=load,
         held=held,
-        split=split,
+        split=sorted(split),
     )
+
+
+def around_load_edge(triangles: Integers, particle: int) -> list[tuple[int, int]]:
+    """Particles near the edge of a load whose stress is split, and into how many sectors.
+
+    Around the edge the principal stresses turn by a right angle, however near one looks, and one mean stress for
+    all sides of a particle cannot follow: a mechanism of a few particles then fails below the bearing capacity of
+    the strip, at any spacing. For a strip load at phi = 30 deg, 1,000 to 10,000 particles: 8 % below without a
+    split, 3 to 6 % where the particle at the edge alone is split, 1 % with its neighbours, 0.5 % with theirs too.
+    """
+    split: dict[int, int] = {}
+    front = np.array([particle])
+    for sectors in LOAD_EDGE_SECTORS:
+        split.update((int(k), sectors) for k in front if int(k) not in split)
+        front = np.unique(triangles[np.isin(triangles, front).any(axis=1)])
+    return sorted(split.items())
 
 
 def held_freedoms(particles: Particles, boundary: Mapping[str, str]) -> NDArray[np.bool_]:
@@ -170,7 +189,9 @@ def _require_held(particles: Particles, held: NDArray[np.bool_]) -> None:
 
     triangles, count = particles.triangles, len(particles.positions)
     a, b = triangles.ravel(), np.roll(triangles, 1, axis=1).ravel()
-    parts, label = connected_components(csr_matrix((np.ones(len(a)), (a, b)), shape=(count, count)), directed=False)
+    parts, label = connected_components(
+        csr_matrix((np.ones(len(a)), (a, b)), shape=(count, count)), directed=False
+    )
     for part in range(parts):
         inside = label == part
         x, y = held[inside].sum(axis=0)
@@ -178,7 +199,9 @@ def _require_held(particles: Particles, held: NDArray[np.bool_]) -> None:
         place = f"the part of the ground around ({where[0]:.4g}, {where[1]:.4g}) m"
         if x + y == 0:
             raise InputError(
-                "section", f"{place} floats: no support holds it", "Join it to the rest, remove it, or support it"
+                "section",
+                f"{place} floats: no support holds it",
+                "Join it to the rest, remove it, or support it",
             )
         if x == 0 or y == 0 or x + y < 3:
             missing = "horizontally" if x == 0 else "vertically" if y == 0 else "against rotation"
@@ -276,7 +299,9 @@ def pressure_load(positions: Floats, edges: Integers, pressure: float | Floats) 
     `pressure` is one number, or one per edge (k,).
     """
     along = positions[edges[:, 1]] - positions[edges[:, 0]]
-    force = 0.5 * np.stack([-along[:, 1], along[:, 0]], axis=1) * np.broadcast_to(pressure, len(edges))[:, None]
+    force = (
+        0.5 * np.stack([-along[:, 1], along[:, 0]], axis=1) * np.broadcast_to(pressure, len(edges))[:, None]
+    )
     load = np.zeros_like(positions)
     np.add.at(load, edges[:, 0], force)
     np.add.at(load, edges[:, 1], force)

@@ -1,0 +1,1 @@
+"""Problems with known answers, posed once and run by every code that can."""
