@@ -109,7 +109,7 @@ def test_progress_without_a_terminal_is_plain_lines(tmp_path):
         re.MULTILINE,
     ), done.stdout
     widths = [float(b) - float(a) for a, b in re.findall(r"between ([\d.]+) and ([\d.]+)", done.stdout)]
-    first = [width for width in widths[: widths.index(min(widths)) + 1]]
+    first = widths[: widths.index(min(widths)) + 1]
     assert first == sorted(first, reverse=True), "the bracket closes from line to line"
 
 
@@ -217,7 +217,8 @@ BAD_CASES = [
     ("no TOML", changed("particles = 500", "particles = = 500"), "line 3, column 13", "Mend this place"),
     ("no workflow", changed('workflow = "slope"\n', ""), "workflow: missing", 'workflow = "slope"'),
     ("no section", changed(f"[section]\n{REGIONS}\n", ""), "section: missing", "[section]"),
-    ("no boundary", changed('[boundary]\nleft = "roller"\nright = "roller"\nbottom = "fixed"\n', ""), "boundary", "Add"),
+    ("no boundary", changed('[boundary]\nleft = "roller"\nright = "roller"\nbottom = "fixed"\n', ""),
+     "boundary", "Add"),
     ("no material", SLOPE[: SLOPE.index("[material")], "material: missing", "[material.soil]"),
     ("no cohesion", changed('cohesion = "10 kPa"\n', ""), "material.soil.cohesion: missing", "25 kPa"),
     ("no friction", changed('friction_angle = "20 deg"\n', ""), "material.soil.friction_angle: missing", "30 deg"),
@@ -234,14 +235,16 @@ BAD_CASES = [
      "material.soil.friction_angle", "0.35 rad"),
     ("kPa typed as MPa", changed('"10 kPa"', '"10000 kPa"'), "material.soil.cohesion", '"10 kPa"'),
     ("nearly incompressible", changed("poisson_ratio = 0.3", "poisson_ratio = 0.49999"), "poisson_ratio", "0.49"),
-    ("crosses itself", changed(OUTLINE, "[[0,0],[40,0],[0,15],[40,15]]"), "section.regions[0].polygon", "in order round"),
+    ("crosses itself", changed(OUTLINE, "[[0,0],[40,0],[0,15],[40,15]]"),
+     "section.regions[0].polygon", "in order round"),
     ("two corners", changed(OUTLINE, "[[0,0],[40,0]]"), "section.regions[0].polygon", "[x, y]"),
     ("no thickness", more('material = "soil", polygon = [[0,1],[40,1],[40,1.0000001],[0,1.0000001]]'),
      "section.regions[1].polygon", "upper and a lower side"),
     ("hidden", changed("regions = [", 'regions = [{material = "soil", polygon = [[5,1],[6,1],[6,2]]}, '),
      "section.regions[0].polygon", "Put the region after"),
     ("unknown material", changed('{material = "soil"', '{material = "clay"'), "section.regions[0].material", "soil"),
-    ("in the air", more('material = "soil", polygon = [[5,20],[10,20],[10,25],[5,25]]'), "section", "Join it to the rest"),
+    ("in the air", more('material = "soil", polygon = [[5,20],[10,20],[10,25],[5,25]]'),
+     "section", "Join it to the rest"),
     ("in the air at a side", more('material = "soil", polygon = [[35,20],[40,20],[40,25],[35,25]]'),
      "boundary", "bottom = 'fixed'"),
     ("slanting side", changed("[40,0],[40,15]", "[40,0],[41,15]"), "boundary.right = 'roller'", "vertical"),

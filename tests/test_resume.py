@@ -1,0 +1,381 @@
+"""A run can be stopped and killed anywhere: what follows has the same bits, and nothing half-written is left."""
+
+from __future__ import annotations
+
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import h5py
+import pytest
+
+from geodem import cli
+from geodem.analysis import Analysis, Update
+from geodem.case import load_case
+from geodem.errors import InputError, StoppedError
+from geodem.io.checkpoint import read_checkpoint
+from geodem.io.history import read_history
+from geodem.result import assemble
+from geodem.workflow import run_case
+from tests.small_cases import SLOPE, STAGES, environment, geodem, result_of, write_case
+
+KILLS = 6
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory) -> Path:
+    """A case that goes through every stage: coarse model, refined model, search without dilation."""
+    return write_case(tmp_path_factory.mktemp("case"), STAGES)
+
+
+@pytest.fixture(scope="module")
+def whole(case, tmp_path_factory) -> Path:
+    """Its results, by one program on one thread that nobody disturbs."""
+    out = tmp_path_factory.mktemp("whole") / "out"
+    done = geodem("run", case, "--out", out, "--threads", 1)
+    assert done.returncode == 0, done.stderr
+    assert result_of(out)["threads"] == 1
+    return out
+
+
+@pytest.fixture(scope="module")
+def stages(case) -> list[str]:
+    """What a run without a stop is doing, batch by batch."""
+    seen: list[str] = []
+    now = ""
+
+    def watch(update: Update) -> None:
+        nonlocal now
+        if update.progress is None:
+            now = update.text
+        else:
+            flat = "flat " if "without dilation" in now and update.progress.model == "coarse" else ""
+            seen.append(f"{flat}{update.progress.kind} {update.progress.model}")
+
+    analysis = Analysis(load_case(case), watch=watch)
+    analysis.build()
+    analysis.search()
+    return seen
+
+
+def after(batches: int) -> Any:
+    """A stop that is asked for after so many batches of steps."""
+    left = batches
+
+    def asked() -> bool:
+        nonlocal left
+        left -= 1
+        return left <= 0
+
+    return asked
+
+
+def begin(case: Path, folder: Path, **options: Any) -> Analysis:
+    folder.mkdir(exist_ok=True)
+    analysis = Analysis(load_case(case), folder, **options)
+    analysis.build()
+    analysis.save()
+    return analysis
+
+
+def test_threads_do_not_change_the_bits(case, whole, tmp_path):
+    done = geodem("run", case, "--out", tmp_path / "out", "--threads", 2)
+    assert done.returncode == 0, done.stderr
+    assert result_of(tmp_path / "out")["threads"] == 2
+    assert result_of(tmp_path / "out")["digest"] == result_of(whole)["digest"]
+    assert (tmp_path / "out" / "history.csv").read_bytes() == (whole / "history.csv").read_bytes()
+
+
+def test_another_seed_changes_the_bits(tmp_path):
+    """The digest tells runs apart at all."""
+    digests = set()
+    for seed in (3, 4):
+        analysis = begin(
+            write_case(tmp_path / f"case{seed}", SLOPE.replace("seed = 3", f"seed = {seed}")),
+            tmp_path / "out",
+        )
+        analysis.search()
+        digests.add(assemble(analysis)["digest"])
+    assert len(digests) == 2
+
+
+STAGE_NAMES = (
+    "strength-reduction coarse",
+    "gravity-increase coarse",
+    "strength-reduction fine",
+    "flat strength-reduction coarse",
+    "gravity-increase fine",
+)
+
+
+@pytest.mark.parametrize("stage", STAGE_NAMES)
+def test_stopped_half_way_through_a_stage(stage, stages, case, whole, tmp_path):
+    batches = [number for number, name in enumerate(stages, start=1) if name == stage]
+    assert batches, f"the case has no {stage} stage: {sorted(set(stages))}"
+    analysis = begin(case, tmp_path, stop_asked=after(batches[len(batches) // 2]))
+    with pytest.raises(StoppedError):
+        analysis.search()
+    assert not analysis.done()
+    resumed = Analysis.from_checkpoint(load_case(case), tmp_path)
+    resumed.search()
+    result = assemble(resumed)
+    assert result["digest"] == result_of(whole)["digest"]
+    # and everything else that does not tell of time
+    for key in ("factors", "steps", "energy", "notices", "warnings", "particles"):
+        assert timeless(result[key]) == timeless(result_of(whole)[key]), key
+
+
+def timeless(value: Any) -> Any:
+    """Without wall times, and without what is measured after the search."""
+    if isinstance(value, dict):
+        return {k: timeless(v) for k, v in value.items() if k not in ("seconds", "failure", "reference")}
+    return [timeless(v) for v in value] if isinstance(value, list) else value
+
+
+def test_stopped_again_and_again(case, whole, tmp_path):
+    """Every 37 batches, from the first fine one on; a batch is a look, so a trial is cut several times."""
+    analysis = begin(case, tmp_path)
+    stops = 0
+
+    def on_fine() -> bool:
+        return analysis.bracketed
+
+    analysis.stop_asked = on_fine
+    while True:
+        try:
+            analysis.search()
+            break
+        except StoppedError:
+            stops += 1
+            analysis = Analysis.from_checkpoint(load_case(case), tmp_path, stop_asked=after(37))
+    assert stops > 4
+    assert assemble(analysis)["digest"] == result_of(whole)["digest"]
+
+
+def test_killed_at_random(case, whole, tmp_path):
+    """kill -9 at any moment, and the same command again until it is done."""
+    rng = random.Random(20260)
+    out = tmp_path / "out"
+    command = [sys.executable, "-m", "geodem", "run", str(case), "--out", str(out)]
+    kills = 0
+    while kills < KILLS:
+        running = subprocess.Popen(
+            command, env=environment(), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+        )
+        try:
+            running.wait(timeout=rng.uniform(0.3, 4.5))
+        except subprocess.TimeoutExpired:
+            running.kill()
+            kills += 1
+        _, errors = running.communicate()
+        nothing_is_half_written(out)
+        if running.returncode != -signal.SIGKILL:  # it was done before: begin anew
+            assert running.returncode == 0, errors
+            is_whole(out, whole)
+            shutil.rmtree(out)
+    done = geodem("resume", out) if (out / "checkpoint.h5").exists() else geodem(*command[3:])
+    assert done.returncode == 0, done.stderr
+    is_whole(out, whole)
+
+
+def is_whole(out: Path, whole: Path) -> None:
+    """Everything is there, with the bits of the run that was not disturbed, and nothing else."""
+    assert result_of(out)["status"] == "done"
+    assert result_of(out)["digest"] == result_of(whole)["digest"]
+    assert {path.name for path in out.iterdir()} == {path.name for path in whole.iterdir()}
+
+
+def nothing_is_half_written(out: Path) -> None:
+    """Every file under its own name is whole; parts of files have names that no reader takes."""
+    if not out.exists():
+        return
+    for path in out.rglob("*"):
+        if path.is_dir() or (path.name.startswith(".") and path.name.endswith(".part")):
+            continue
+        if path.name == "checkpoint.h5":
+            read_checkpoint(path)
+        elif path.name == "result.json":
+            result_of(out)
+        elif path.name == "case.toml":
+            load_case(path)
+        elif path.name == "history.csv":
+            assert path.read_bytes().endswith(b"\n")
+            read_history(path)
+        elif path.suffix == ".vtkhdf":
+            with h5py.File(path) as file:
+                assert "VTKHDF" in file
+        elif path.suffix == ".html":
+            assert path.read_text().rstrip().endswith("</html>")
+        elif path.suffix == ".png":
+            assert path.read_bytes().endswith(b"IEND\xaeB`\x82")
+        else:
+            raise AssertionError(f"unexpected file {path}")
+
+
+def test_interrupted_by_the_user(case, whole, tmp_path):
+    out = tmp_path / "out"
+    command = [sys.executable, "-m", "geodem", "run", str(case), "--out", str(out)]
+    with subprocess.Popen(
+        command, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as running:
+        assert running.stdout is not None
+        for line in running.stdout:
+            if "on 1,650 particles" in line:
+                break
+        running.send_signal(signal.SIGINT)
+        _, errors = running.communicate(timeout=60)
+    assert running.returncode == 3, errors
+    assert f"geodem resume {out}" in errors
+    assert "Traceback" not in errors
+    stopped = result_of(out)
+    assert stopped["status"] == "stopped"
+    assert any("was stopped before its bracket was closed" in text for text in stopped["warnings"])
+    assert "was stopped" in (out / "report.html").read_text()
+    done = geodem("resume", out)
+    assert done.returncode == 0, done.stderr
+    assert result_of(out)["digest"] == result_of(whole)["digest"]
+    assert result_of(out)["notices"] == result_of(whole)["notices"]
+    assert result_of(out)["wall_time_s"] > stopped["wall_time_s"]
+
+
+def test_stopped_before_anything_is_known(case, tmp_path):
+    """On the coarse model: a report that says so, and a folder to go on in."""
+    with pytest.raises(StoppedError):
+        run_case(case, tmp_path / "out", stop_asked=after(3))
+    result = result_of(tmp_path / "out")
+    assert result["status"] == "stopped"
+    assert [entry["value"] for entry in result["factors"]] == [None, None]
+    assert "was stopped" in (tmp_path / "out" / "report.html").read_text()
+    assert not Analysis.from_checkpoint(load_case(case), tmp_path / "out").done()
+
+
+# --- folders that a run is to go on in
+
+
+@pytest.fixture
+def folder(whole, tmp_path) -> Path:
+    """A copy of finished results that may be spoilt."""
+    return Path(shutil.copytree(whole, tmp_path / "copy"))
+
+
+def call(*arguments: object) -> tuple[int, str]:
+    """Exit status and message of a command, in this process."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "argv", ["geodem", *map(str, arguments)])
+        try:
+            cli.main()
+        except SystemExit as end:
+            return int(end.code or 0), ""
+    return 0, ""
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_what_is_done_is_not_done_again(case, folder, capsys):
+    before = content(folder)
+    for arguments in (("resume", folder), ("run", case, "--out", folder)):
+        start = time.perf_counter()
+        assert call(*arguments)[0] == 0
+        assert time.perf_counter() - start < 2.0
+        assert "Factor of safety" in capsys.readouterr().out
+        assert content(folder) == before
+
+
+def test_a_missing_report_is_made_again(folder):
+    (folder / "report.html").unlink()
+    (folder / "result.json").unlink()
+    assert call("resume", folder)[0] == 0
+    assert result_of(folder)["status"] == "done"
+    assert (folder / "report.html").exists()
+
+
+def test_a_moved_folder_goes_on(folder, tmp_path):
+    moved = folder.rename(tmp_path / "moved")
+    (moved / "result.json").unlink()
+    assert call("resume", moved)[0] == 0
+
+
+def test_a_damaged_checkpoint_is_refused(folder, capsys):
+    path = folder / "checkpoint.h5"
+    data = bytearray(path.read_bytes())
+    (folder / "result.json").unlink()
+    spoilt = {
+        "cut": bytes(data[: len(data) // 2]),
+        "empty": b"",
+        "flipped": bytes(data[:-5000]) + bytes(b ^ 255 for b in data[-5000:]),
+    }
+    for name, bits in spoilt.items():
+        path.write_bytes(bits)
+        for command in ("resume", "plot"):
+            assert call(command, folder)[0] == 2, name
+            message = capsys.readouterr().err
+            assert "checkpoint.h5" in message
+            assert "geodem run CASE --out DIR --overwrite" in message
+        assert path.read_bytes() == bits
+
+
+def test_a_checkpoint_of_another_version_is_refused(folder, monkeypatch, capsys):
+    monkeypatch.setattr("geodem.analysis.sources_digest", lambda: "another")
+    before = content(folder)
+    assert call("resume", folder)[0] == 2
+    message = capsys.readouterr().err
+    assert "written by another geodem" in message
+    assert "--overwrite" in message
+    assert content(folder) == before
+
+
+def test_a_changed_case_is_refused(folder, capsys):
+    text = (folder / "case.toml").read_text()
+    assert '"10 kPa"' in text
+    (folder / "case.toml").write_text(text.replace('"10 kPa"', '"11 kPa"'))
+    assert call("resume", folder)[0] == 2
+    assert "not what the checkpoint beside it was made of" in capsys.readouterr().err
+
+
+def test_results_of_another_case_are_kept(folder, tmp_path, capsys):
+    other = write_case(tmp_path / "other", SLOPE.replace('"20 deg"', '"21 deg"'))
+    before = content(folder)
+    assert call("run", other, "--out", folder)[0] == 2
+    message = capsys.readouterr().err
+    assert "results of another case" in message
+    assert "--overwrite" in message
+    assert content(folder) == before
+    assert call("run", other, "--out", folder, "--overwrite")[0] == 0
+    assert result_of(folder)["title"] == "Small slope"
+    assert result_of(folder)["particles"] == 500
+
+
+def test_a_picture_that_was_drawn_anew_is_another_case(tmp_path):
+    """The case file is the same to the letter; what it names is not."""
+    from PIL import Image, ImageDraw
+
+    regions = SLOPE[SLOPE.index("regions") : SLOPE.index("\n\n[boundary]")]
+    image = (
+        'image = "section.png"\nscale = "0.5 m/px"\nlegend = {"#c8a464" = "soil"}\nbackground = ["#ffffff"]'
+    )
+    source = write_case(tmp_path / "case", SLOPE.replace(regions, image))
+
+    def draw(crest: int) -> None:
+        picture = Image.new("RGB", (80, 30), "#ffffff")
+        pen = ImageDraw.Draw(picture)
+        pen.polygon([(0, 29), (79, 29), (79, 0), (crest, 0), (20, 19), (0, 19)], fill="#c8a464")
+        picture.save(source / "section.png")
+
+    draw(50)
+    analysis = begin(source, tmp_path / "out")
+    from geodem.outputs import write_case as write_run
+
+    write_run(analysis, tmp_path / "out")
+    assert (tmp_path / "out" / "section.png").read_bytes() == (source / "section.png").read_bytes()
+    assert Analysis.from_checkpoint(load_case(tmp_path / "out"), tmp_path / "out").particles is not None
+    draw(60)
+    with pytest.raises(InputError, match="the case or its picture"):
+        Analysis.from_checkpoint(load_case(source), tmp_path / "out")
+    assert call("run", source, "--out", tmp_path / "out")[0] == 2
