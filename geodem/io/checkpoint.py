@@ -70,7 +70,9 @@ def read_checkpoint(path: Path | str) -> Tree:
             raise
         raise InputError(place, "the checkpoint is damaged or cut off", again) from error
     if checksum(tree) != stored:
-        raise InputError(place, "the checkpoint was changed after it was written (its checksum differs)", again)
+        raise InputError(
+            place, "the checkpoint was changed after it was written (its checksum differs)", again
+        )
     return tree
 
 
@@ -98,7 +100,9 @@ def _leaves(tree: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
 
 def _is_tree(value: object) -> bool:
     """A mapping with an array somewhere below it; others are plain data."""
-    return isinstance(value, Mapping) and any(isinstance(v, np.ndarray) or _is_tree(v) for v in value.values())
+    return isinstance(value, Mapping) and any(
+        isinstance(v, np.ndarray) or _is_tree(v) for v in value.values()
+    )
 
 
 def _write_group(group: Any, tree: Mapping[str, Any]) -> None:

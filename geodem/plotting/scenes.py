@@ -93,7 +93,7 @@ def failure_scene(
     if scale:
         deformed = view.positions + scale * failure.displacement
         draw_outline(axes, deformed, view.triangles, linewidth=1.2, zorder=3.5)
-        handles.append(Line2D([], [], color=INK, linewidth=1.2, label=f"outline, displacements × {scale:g}"))  # noqa: RUF001
+        handles.append(Line2D([], [], color=INK, linewidth=1.2, label=f"outline, displacements × {scale:g}"))
     draw_slip_surface(axes, failure.slip_surface)
     draw_neighbours(axes, neighbours)
     handles += axes.get_legend_handles_labels()[0]
