@@ -281,7 +281,8 @@ def _route(following: Mapping[int, list[int]], start: int, end: int) -> list[tup
 
 def _require_free(positions: Floats, edges: Integers, held: NDArray[np.bool_], *, place: str) -> None:
     """A load on a support goes into the support: it was meant for another place."""
-    resting = held.any(axis=1)[edges].all(axis=1)
+    touched: NDArray[np.bool_] = np.asarray(held.any(axis=1))
+    resting = touched[edges].all(axis=1)
     if resting.any():
         first, second = positions[edges[np.flatnonzero(resting)[0]]]
         raise InputError(
