@@ -287,7 +287,8 @@ def _criteria() -> str:
     return (
         f"<strong>Stable</strong>: the unbalanced force has fallen below {wording.number(rules.stable_ratio)} of "
         "the weight. "
-        f"<strong>Failed</strong>: what moves has moved more than {rules.failed_settlements:g} elastic settlements "
+        f"<strong>Failed</strong>: what moves has moved more than {rules.failed_settlements:g} elastic settlements, "
+        f"{rules.own_settlements:g} of them in this trial, "
         f"and is not slowing down (the unbalanced force is still above {100.0 * rules.steady:g} % of what it was "
         "half that way), "
         "or its displacement was still growing at the step limit. What has come so far, or to the step limit, "

@@ -24,9 +24,12 @@ class Criteria:
         Stable when the unbalanced force ratio falls below this [-].
     failed_settlements : float
         Failed when what moves has moved more than this many elastic settlements u_s [-] ...
+    own_settlements : float
+        ... of them at least this many in this trial [-]: one that continues a state which has moved that far
+        before is not failed by its first step ...
     steady : float
-        ... and the unbalanced force is still above this share of what it was at half that displacement [-]: what
-        comes to rest after a long way has not failed.
+        ... and the unbalanced force is still above this share of what it was half that way [-]: what comes to
+        rest after a long way has not failed.
     balanced_ratio : float
         What has moved that far, or is at the step limit, counts as stable where the unbalanced force is below this
         share of the weight of what moves [-]: it is in balance for all practical purposes. (The thin slabs that
@@ -44,6 +47,7 @@ class Criteria:
 
     stable_ratio: float = 1e-5
     failed_settlements: float = 10.0
+    own_settlements: float = 2.0
     steady: float = 0.8
     balanced_ratio: float = 5e-4
     growing: float = 0.7
@@ -79,7 +83,9 @@ class Criteria:
         if ratio < self.stable_ratio:
             return "stable", f"unbalanced force below {self.stable_ratio:g} of the weight"
         balanced = ratio < self.balanced_ratio * sqrt(moving_share)
-        if displacement > self.failed_settlements * settlement and self._is_steady(history):
+        far = displacement > self.failed_settlements * settlement
+        own = displacement - history[0][2] > self.own_settlements * settlement
+        if far and own and self._is_steady(history):
             if balanced:
                 return (
                     "stable",
@@ -106,7 +112,8 @@ class Criteria:
         return "undecided", f"neither at rest nor growing after {steps} steps"
 
     def _is_steady(self, history: Sequence[tuple[int, float, float]]) -> bool:
-        """Whether the unbalanced force held its size while the displacement doubled."""
+        """Whether the unbalanced force held its size over the second half of the way of this trial."""
         _, ratio, displacement = history[-1]
-        earlier = next(entry for entry in history if entry[2] >= 0.5 * displacement)
+        half = 0.5 * (history[0][2] + displacement)
+        earlier = next(entry for entry in history if entry[2] >= half)
         return ratio >= self.steady * earlier[1]

@@ -54,6 +54,17 @@ def test_a_long_way_to_rest_is_not_failure():
     assert verdict == "stable"
 
 
+def test_a_long_way_before_the_trial_is_not_failure():
+    """Continued from a state fifteen settlements down; what counts is what this trial adds."""
+    (verdict, _), batches = judge(
+        history(lambda s: 1e-2 * 10 ** (-8 * s), lambda s: 0.15 + 0.005 * (1 - np.exp(-6 * s)))
+    )
+    assert (verdict, batches) == ("stable", 38)
+    (verdict, _), batches = judge(history(lambda s: 1e-2, lambda s: 0.15 + 0.4 * s))
+    assert verdict == "failed"
+    assert 0.4 * batches / 100 > RULES.own_settlements * SETTLEMENT
+
+
 def test_slow_growth_at_the_step_limit_is_failure():
     (verdict, why), batches = judge(history(lambda s: 1e-3, lambda s: 0.05 * s))
     assert (verdict, batches) == ("failed", 100)
