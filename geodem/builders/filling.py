@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -24,6 +24,11 @@ EQUILATERAL = 0.25 * math.sqrt(3.0)
 # particle, its triangles, springs of a run and its outputs
 BYTES_PER_PARTICLE = 1000
 COUNT_TOLERANCE = 0.02
+# refined places take too much where the spacing elsewhere is this much larger than an even one would be
+STARVED = 1.6
+# growth of the spacing away from refined places, the steeper ones where particles are short; beyond the last,
+# smallest angles fall below 20 degrees
+GRADINGS = (0.25, 0.4, 0.6)
 
 
 class TooFewParticlesError(InputError):
@@ -36,7 +41,7 @@ class TooFewParticlesError(InputError):
 
 @dataclass(frozen=True)
 class FillTask:
-    """What is asked of a packing, apart from its spacing."""
+    """What is asked of a packing, apart from its spacing; `gradings` are those that may be tried for `grading`."""
 
     section: Section
     graph: Graph
@@ -48,6 +53,7 @@ class FillTask:
     shapes: tuple[tuple[Any, float], ...]
     focus: tuple[tuple[Any, float], ...]
     grading: float
+    gradings: tuple[float, ...]
     most: int
 
 
@@ -160,11 +166,42 @@ def settle(task: FillTask, field: SizeField, mesh: Mesh, count: int | None) -> M
 
 
 def pack_count(task: FillTask, count: int) -> tuple[Draft, Mesh]:
-    """Solve for the spacing that gives `count` particles, then pack."""
+    """Solve for the spacing that gives `count` particles, then pack.
+
+    Where refined places leave too few particles for the rest, the spacing may grow faster away from them.
+    """
     west, south, east, north = task.section.bounds
     coarsest = 0.5 * min(east - west, north - south)
-    base = min(coarsest, math.sqrt(task.section.outline.area / (2.0 * EQUILATERAL * count)))
-    draft = _solve_spacing(task, draft_filling(task, base), count, 1.0, coarsest)
+    even = math.sqrt(task.section.outline.area / (2.0 * EQUILATERAL * count))
+    for grading in task.gradings:
+        last = grading == task.gradings[-1]
+        task = replace(task, grading=grading)
+        try:
+            draft = _solve_spacing(task, draft_filling(task, min(coarsest, even)), count, 1.0, coarsest)
+        except TooFewParticlesError:
+            if last:
+                raise
+            continue
+        if last or draft.layout.field.base <= STARVED * even:
+            break
+    draft, mesh = _solve_by_filling(task, draft, count, coarsest)
+    for _ in range(3):
+        mesh = settle(task, draft.layout.field, mesh, count)
+        found = len(mesh.positions)
+        if abs(found - count) <= max(COUNT_TOLERANCE * count, 2.0):
+            return draft, mesh
+        # mending took more particles out of narrow places, or put more in, than the count allows
+        draft = draft_filling(task, min(coarsest, draft.layout.field.base * math.sqrt(found / count)))
+        mesh, _ = fill(task, draft)
+    problem = f"the corners and boundaries of the section lead to {found} particles"
+    remedy = f"Give {found} particles, or a spacing instead of their number."
+    if found < count:
+        raise InputError("particles", problem, remedy, value=count)
+    raise TooFewParticlesError(problem, remedy, value=count, needed=found)
+
+
+def _solve_by_filling(task: FillTask, draft: Draft, count: int, coarsest: float) -> tuple[Draft, Mesh]:
+    """Correct the forecast by what a filling gives, until that is `count` within what can be made up for."""
     mesh, natural = fill(task, draft)
     for _ in range(3):
         if abs(natural - count) <= 0.03 * count:
@@ -172,14 +209,6 @@ def pack_count(task: FillTask, count: int) -> tuple[Draft, Mesh]:
         # the forecast knows neither rows nor how particles stand at the lines; its error hardly changes
         draft = _solve_spacing(task, draft, count, natural / draft.count, coarsest)
         mesh, natural = fill(task, draft)
-    mesh = settle(task, draft.layout.field, mesh, count)
-    found = len(mesh.positions)
-    if abs(found - count) > max(COUNT_TOLERANCE * count, 2.0):
-        problem = f"the corners and boundaries of the section lead to {found} particles"
-        remedy = f"Give {found} or more particles, or a spacing instead of their number."
-        if found < count:
-            raise InputError("particles", problem, remedy, value=count)
-        raise TooFewParticlesError(problem, remedy, value=count, needed=found)
     return draft, mesh
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geodem.builders.filling import (
+    GRADINGS,
     Draft,
     FillTask,
     Packing,
@@ -81,7 +82,7 @@ def fill_section(
     thin: Thin = "refine",
     refine: Sequence[tuple[Any, float]] = (),
     focus: Sequence[tuple[Any, float]] = (),
-    grading: float = 0.25,
+    grading: float | None = None,
     points: Sequence[tuple[float, float]] | Floats = (),
 ) -> Particles:
     """Fill a section with particles, by number or by spacing.
@@ -107,8 +108,9 @@ def fill_section(
         Largest spacing on a geometry.
     focus : sequence of (shapely geometry, float)
         Spacing on a geometry over the spacing elsewhere, below one [-].
-    grading : float
-        Growth of the spacing per unit of distance from a refined place.
+    grading : float, optional
+        Growth of the spacing per unit of distance from a refined place. Left out: 0.25, and up to 0.6 where a
+        given number of particles would leave too few for the rest.
     points : (p, 2) array_like [m]
         Points that must be particles, such as the ends of a surcharge.
 
@@ -161,7 +163,8 @@ def fill_section(
         thin,
         tuple(refine),
         tuple(focus),
-        grading,
+        GRADINGS[0] if grading is None else grading,
+        GRADINGS if grading is None else (grading,),
         most_particles(),
     )
     if spacing is not None:
@@ -272,6 +275,11 @@ def _messages(task: FillTask, draft: Draft) -> tuple[str, ...]:
             f"{name}: {thick} m thick, spacing refined from {field.base:.3g} m to {low / task.layers:.3g} m "
             f"there" + (f", about +{round(more / step) * step} particles" if more >= 1.0 else "")
         )
+    if field.grading > task.grading:
+        lines.append(
+            f"the spacing grows by {field.grading:g} m a metre away from refined places instead of "
+            f"{task.grading:g} m, so that particles are left for the rest; more particles make it grow slower"
+        )
     return tuple(lines)
 
 
@@ -282,7 +290,7 @@ def _check_options(
     layers: int,
     thin: str,
     refine: Sequence[tuple[Any, float]],
-    grading: float,
+    grading: float | None,
 ) -> None:
     if (particles is None) == (spacing is None):
         raise InputError(
@@ -302,7 +310,7 @@ def _check_options(
             raise InputError(place, "unknown", f"Give one of {', '.join(choices)}.", value=value)
     if layers < 1:
         raise InputError("layers", "a region needs at least one layer of triangles", "Give 2.", value=layers)
-    if not 0.0 < grading <= 1.0:
+    if grading is not None and not 0.0 < grading <= 1.0:
         raise InputError("grading", "outside 0 to 1 (metres per metre)", "Give 0.25.", value=grading)
     for index, (_, limit) in enumerate(refine):
         if not (math.isfinite(limit) and limit > 0.0):

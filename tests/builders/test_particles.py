@@ -322,3 +322,15 @@ def test_number_asked_for_in_an_error_is_enough() -> None:
         fill_section(section, particles=1000)
     needed = error.value.needed
     assert abs(len(fill_section(section, particles=needed).positions) - needed) <= 0.02 * needed
+
+
+def test_spacing_grows_faster_where_a_seam_leaves_few_particles() -> None:
+    section = slope(("seam", SEAM))
+    particles = fill_section(section, particles=2500)
+    even = np.sqrt(section.outline.area * 2 / np.sqrt(3) / 2500)
+    assert particles.spacing < 1.6 * even
+    assert len(particles.positions) == pytest.approx(2500, rel=0.02)
+    assert angles_of(particles).min() >= 20.0
+    assert any("away from refined places" in line for line in particles.messages)
+    # a given grading is kept, whatever it costs
+    assert fill_section(section, particles=2500, grading=0.25).spacing > 1.6 * even
