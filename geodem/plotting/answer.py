@@ -46,7 +46,7 @@ def answer(result: Mapping[str, Any], view: ReportView) -> str:
     said = wording.verdict(main) if safety else wording.gravity_verdict(main)
     blocks.append(f'<p class="verdict">{text(said)}</p>')
     if main.get("criterion"):
-        blocks.append(f"<p>Decided by: {text(main['criterion'])}.</p>")
+        blocks.append(f"<p>Decided by: {text(wording.powers(main['criterion']))}.</p>")
     for entry in entries:
         if isinstance(entry.get("zero_dilation"), Mapping):
             blocks.append(_zero_dilation(entry))

@@ -133,11 +133,18 @@ def history_chart(method: MethodView) -> Figure:
 
 
 def _running_bracket(method: MethodView) -> tuple[np.ndarray, np.ndarray]:
-    """Highest stable factor below the lowest failed one, and that one, after each trial; NaN while open."""
+    """Highest stable factor below the lowest failed one, and that one, after each trial; NaN while open.
+
+    A finer model begins a bracket of its own.
+    """
     lows, highs = [], []
     stable: list[float] = []
     failed: list[float] = []
+    before = None
     for trial in method.trials:
+        model = (trial.get("model", "fine"), trial.get("particles"))
+        if model != before:
+            stable, failed, before = [], [], model
         if trial["verdict"] == "stable":
             stable.append(float(trial["factor"]))
         elif trial["verdict"] == "failed":
@@ -166,13 +173,14 @@ def _zoom(axes: Axes, method: MethodView, number: np.ndarray) -> None:
     assert method.failed is not None
     width = max(method.failed - method.stable, 1e-6)
     low, high = method.stable - 1.6 * width, method.failed + 1.6 * width
+    room = 0.5 * width  # for the numbers of the outermost
     inside = [
         (order, trial)
         for order, trial in zip(number.tolist(), method.trials, strict=True)
         if low <= float(trial["factor"]) <= high
     ]
     first = min((order for order, _ in inside), default=1)
-    axes.set_ylim(low, high)
+    axes.set_ylim(low - room, high + room)
     axes.set_xlim(first - 0.7, len(number) + 0.9)
     axes.set_title("the end, enlarged", fontsize=9.0, fontweight="normal", color=SOFT)
     for order, trial in inside:

@@ -26,7 +26,7 @@ STATIC = (
 CHARTS = {
     "bracket": "Every trial as a mark; the band between highest stable and lowest failed factor closes.",
     "history": "Displacement of what moves in each trial: one that levels off is stable, one that runs away "
-    "has failed. Bold: the two ends of the bracket.",
+    "has failed; the rule that decided stands in the table. Bold: the two ends of the bracket.",
 }
 
 
@@ -206,22 +206,29 @@ def energy(result: Mapping[str, Any]) -> str:
 def run(result: Mapping[str, Any], view: ReportView) -> str:
     """Settings, defaults taken, versions, and what the run cost."""
     told = {
-        "workflow": "Workflow", "particles": "Particles", "dimension": "Dimensions",
-        "steps": "Relaxation steps",
-        "wall_time_s": "Run time", "compile_time_s": "of which compiling", "threads": "Threads",
-        "seed": "Seed",
-        "command": "Command",
+        "workflow": "Workflow", "status": "Status", "kind_of_result": "Kind of result",
+        "particles": "Particles", "stress_points": "Stress points", "spacing_m": "Spacing [m]",
+        "spacing_where_it_failed": "Spacing where it failed, over that [-]",
+        "dimension": "Dimensions", "tolerance": "Tolerance [-]", "steps": "Relaxation steps",
+        "wall_time_s": "Run time", "compile_time_s": "of which compiling",
+        "seconds_to_first_step": "To the first step", "threads": "Threads", "seed": "Seed",
+        "command": "Command", "digest": "Fingerprint of the bits",
     }  # fmt: skip
     kept = {
         *told, "factors", "energy", "versions", "warnings", "notices", "neighbours", "neighbours_why",
-        "reference",
-        "settings", "cracks", "title",
+        "reference", "settings", "cracks", "title",
     }  # fmt: skip
     rows: list[tuple[object, object]] = []
     for key, name in told.items():
-        if key in result and result[key] is not None:
-            value = result[key]
-            rows.append((name, wording.seconds(value) if key.endswith("_s") else _plain(key, value)))
+        value = result.get(key)
+        if value is None or value == "":
+            continue
+        if key.startswith("seconds_") or key.endswith("_s"):
+            rows.append((name, wording.seconds(value)))
+        elif key == "digest":
+            rows.append((name, str(value)[:16]))
+        else:
+            rows.append((name, f"{value:.4g}" if isinstance(value, float) else _plain(key, value)))
     settings = result.get("settings")
     more = dict(settings) if isinstance(settings, Mapping) else {}
     more |= {
@@ -284,15 +291,16 @@ def reading(result: Mapping[str, Any]) -> str:
 def _criteria() -> str:
     """When a trial is stable and when it has failed, with the limits in force."""
     rules = Criteria()
+    stable, balanced = (wording.powers(f"{ratio:g}") for ratio in (rules.stable_ratio, rules.balanced_ratio))
     return (
-        f"<strong>Stable</strong>: the unbalanced force has fallen below {wording.number(rules.stable_ratio)} of "
+        f"<strong>Stable</strong>: the unbalanced force has fallen below {stable} of "
         "the weight. "
         f"<strong>Failed</strong>: what moves has moved more than {rules.failed_settlements:g} elastic settlements, "
         f"{rules.own_settlements:g} of them in this trial, "
         f"and is not slowing down (the unbalanced force is still above {100.0 * rules.steady:g} % of what it was "
         "half that way), "
         "or its displacement was still growing at the step limit. What has come so far, or to the step limit, "
-        f"with an unbalanced force below {wording.number(rules.balanced_ratio)} of the weight of what moves is in "
+        f"with an unbalanced force below {balanced} of the weight of what moves is in "
         "balance and counts as stable. "
         "<strong>Undecided</strong>: none of these when the steps ran out; such a trial is never counted as "
         "stable. The rule that decided stands with each trial."
@@ -336,7 +344,7 @@ def _trials(method: MethodView) -> str:
                 number,
                 f"{float(trial['factor']):.4f}",
                 Markup(f'<span class="{known}">{text(verdict)}</span>'),
-                trial.get("criterion", ""),
+                wording.powers(str(trial.get("criterion", ""))),
                 wording.number(trial.get("steps")),
                 wording.number(trial.get("unbalanced"), digits=3),
                 wording.number(trial.get("displacement"), digits=3),

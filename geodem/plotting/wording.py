@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from math import floor, isfinite, log10
 from typing import Any
@@ -116,6 +117,16 @@ def number(value: object, *, digits: int = 4) -> str:
     if -3 <= size < 7:
         return f"{value:,.{max(digits - 1 - size, 0)}f}"
     return f"{value / 10.0**size:.{digits - 2}f}·10{str(size).translate(_RAISED)}"
+
+
+def powers(words: str) -> str:
+    """A sentence with its powers of ten written out: 1e-05 becomes 10 with a raised -5."""
+
+    def written(match: re.Match[str]) -> str:
+        power = f"10{str(int(match[2])).translate(_RAISED)}"
+        return power if match[1] == "1" else f"{match[1]}·{power}"
+
+    return re.sub(r"(\d+(?:\.\d+)?)e([+-]\d+)", written, words)
 
 
 def seconds(value: object) -> str:

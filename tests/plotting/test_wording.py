@@ -4,7 +4,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geodem.plotting.wording import bound, factor, found, gravity_verdict, number, percent, seconds, verdict
+from geodem.plotting.wording import (
+    bound,
+    factor,
+    found,
+    gravity_verdict,
+    number,
+    percent,
+    powers,
+    seconds,
+    verdict,
+)
 
 
 @given(
@@ -101,3 +111,7 @@ def test_percent_and_seconds():
         "2 h 2 min",
         "slow",
     ]
+
+
+def test_powers_of_ten_are_written_out():
+    assert powers("force below 1e-05 of 2.5e+06 N, 0.0005") == "force below 10⁻⁵ of 2.5·10⁶ N, 0.0005"
