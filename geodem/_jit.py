@@ -71,8 +71,6 @@ def set_threads(threads: int | None) -> int:
 
 def threads_allowed() -> int:
     """How many threads kernels may use; a `ThreadPilot` may have chosen fewer for now."""
-    import numba
-
     return int(_numba_settings().NUMBA_NUM_THREADS) if _threads is None else _threads
 
 

@@ -208,8 +208,9 @@ def _progress() -> Iterator[Callable[[Update], None]]:
             live.update(stage)
         elif time.perf_counter() - shown["time"] > 0.1:
             shown["time"] = time.perf_counter()
+            # two lines, so that nothing is cut off at 80 columns
             live.update(
-                f"{update.text}: {_closing(update)}; trying {progress.factor:.4g}: step {progress.steps}, "
+                f"{update.text}: {_closing(update)}\n  trying {progress.factor:.4g}: step {progress.steps:,}, "
                 f"unbalanced {progress.unbalanced_ratio:.0e}, moved {progress.displacement_settlements:.2f} settlements"
             )
 
@@ -231,6 +232,8 @@ def _closing(update: Update) -> str:
     else:
         where = "not bracketed" if failed is None else f"below {failed:.4f}"
     count = update.progress.trials
+    if count == 0:
+        return "the first trial"
     trials = "1 trial" if count == 1 else f"{count} trials"
     left = "" if math.isnan(update.seconds_left) else f", about {_duration(update.seconds_left)} left"
     return f"{where} after {trials}{left}"
