@@ -121,20 +121,44 @@ def shear_band_distance(
     """
     if len(slip_surface) < 3:
         return float("nan")
-    from scipy.interpolate import LinearNDInterpolator
-
     spacing = float(np.sqrt(np.median(triangle_areas(positions, np.asarray(triangles))) * 4.0 / np.sqrt(3.0)))
     tangent = np.gradient(slip_surface, axis=0)
     tangent /= np.hypot(tangent[:, 0], tangent[:, 1])[:, None]
     normal = np.column_stack([-tangent[:, 1], tangent[:, 0]])
     reach = np.linspace(-4.0 * spacing, 4.0 * spacing, 65)
     points = slip_surface[:, None, :] + reach[None, :, None] * normal[:, None, :]
-    strain = LinearNDInterpolator(positions, plastic_shear_strain, fill_value=0.0)(points)
+    strain = interpolated(positions, np.asarray(triangles), plastic_shear_strain, points.reshape(-1, 2))
+    strain = strain.reshape(points.shape[:2])
     top = strain.max(axis=1)
     seen = top > 0.05 * top.max()
     if not seen.any():
         return float("nan")
     return float(np.abs(reach[strain[seen].argmax(axis=1)]).mean())
+
+
+def interpolated(positions: Floats, triangles: Integers, values: Floats, points: Floats) -> Floats:
+    """Values (n,) at particles, linear over their triangles, at points (k, 2); zero outside of the ground."""
+    import shapely
+
+    corners = positions[triangles]
+    # a tree of boxes: walking from triangle to triangle may take seconds where their sizes are graded
+    tree = shapely.STRtree(shapely.polygons(corners))
+    point, triangle = tree.query(shapely.points(points), predicate="intersects")
+    point, first = np.unique(point, return_index=True)
+    triangle = triangle[first]
+    a, b, c = (corners[triangle, corner] for corner in range(3))
+    at = points[point]
+    weight_b = _cross(at - a, c - a) / _cross(b - a, c - a)
+    weight_c = _cross(b - a, at - a) / _cross(b - a, c - a)
+    of_a, of_b, of_c = (values[triangles[triangle, corner]] for corner in range(3))
+    found = np.zeros(len(points))
+    found[point] = of_a + weight_b * (of_b - of_a) + weight_c * (of_c - of_a)
+    return found
+
+
+def _cross(u: Floats, v: Floats) -> Floats:
+    area: Floats = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    return area
 
 
 def triangle_areas(positions: Floats, triangles: Integers) -> Floats:

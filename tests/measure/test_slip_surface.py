@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial import Delaunay
 
 from geodem.measure.failure import describe_failure
-from geodem.measure.slip_surface import moving_mass, shear_band_distance
+from geodem.measure.slip_surface import interpolated, moving_mass, shear_band_distance
 
 OUTLINE = np.array([[20.0, 20], [84, 20], [84, 40], [67.5, 40], [43.5, 28], [20, 28]])  # 2:1, 12 m high
 CENTRE, RADIUS = np.array([48.0, 58.0]), 30.5
@@ -158,3 +158,20 @@ def test_failure_keeps_its_own_copies():
     kept = failure.displacement.copy()
     displacement[:] = 0.0
     np.testing.assert_array_equal(failure.displacement, kept)
+
+
+def test_interpolation_is_exact_for_a_linear_field():
+    """On graded triangles, at particles, on edges and inside; zero outside."""
+    rng = np.random.default_rng(4)
+    positions = np.concatenate([rng.random((300, 2)), 0.5 + 0.01 * rng.random((300, 2))])
+    triangles = Delaunay(positions).simplices
+    values = 3.0 + 2.0 * positions[:, 0] - 7.0 * positions[:, 1]
+    middle = positions[triangles].mean(axis=1)
+    edges = 0.5 * (positions[triangles[:, 0]] + positions[triangles[:, 1]])
+    inside = np.concatenate([middle, edges, positions])
+    found = interpolated(positions, triangles, values, inside)
+    assert np.allclose(found, 3.0 + 2.0 * inside[:, 0] - 7.0 * inside[:, 1], atol=1e-9)
+    assert interpolated(positions, triangles, values, np.array([[-1.0, 0.5], [2.0, 2.0]])).tolist() == [
+        0.0,
+        0.0,
+    ]
