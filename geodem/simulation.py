@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 from types import ModuleType
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ from .laws import GROUND_LAWS
 from .measure.energy import EnergyAccount, elastic_energy
 from .model import Model
 from .state import State
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
 
 Floats = NDArray[np.float64]
 
@@ -116,9 +119,9 @@ class Simulation:
         }
         return compile_kernel(functions, constants, parallel=self.model.particles > SERIAL_LIMIT)
 
-    def solve(self, external: Floats, matrix: object = None) -> ElasticState:
+    def solve(self, external: Floats, matrix: csr_matrix | None = None) -> ElasticState:
         """The elastic state under forces (n, 2) [N/m], by a direct sparse solve or conjugate gradients."""
-        displacement, stress = solve_elastic(self.model, external, matrix=matrix)  # type: ignore[arg-type]
+        displacement, stress = solve_elastic(self.model, external, matrix=matrix)
         return ElasticState(displacement, stress, self.mean_size(displacement))
 
     def begin(

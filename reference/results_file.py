@@ -44,7 +44,7 @@ def store_rows(name: str, rows: Sequence[Row], command: str) -> Path:
         "versions": versions(),
         "machine": machine(),
     }
-    lines = ",\n  ".join(json.dumps(row) for row in rows)
+    lines = ",\n  ".join(json.dumps(row, default=_plain) for row in rows)
     text = f'{{\n "header": {json.dumps(head)},\n "rows": [\n  {lines}\n ]\n}}\n'
     FOLDER.mkdir(exist_ok=True)
     path = FOLDER / f"{name}.json"
@@ -52,3 +52,8 @@ def store_rows(name: str, rows: Sequence[Row], command: str) -> Path:
     part.write_text(text)
     os.replace(part, path)
     return path
+
+
+def _plain(value: Any) -> Any:
+    """numpy's scalars as Python's."""
+    return value.item()

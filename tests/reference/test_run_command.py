@@ -1,0 +1,26 @@
+"""``python -m reference run``: rows are stored with their origin, and one figure out of bounds fails the run."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from reference import results_file, run_command
+from reference.problems.rows import relative
+
+
+@pytest.mark.parametrize(("value", "status"), [(1.005, 0), (1.02, 1)])
+def test_a_run_stores_its_rows_and_fails_on_a_miss(monkeypatch, tmp_path, capsys, value, status):
+    rows = [relative("case", "figure", np.float64(value), np.float64(1.0), 0.01, 0.1)]
+    monkeypatch.setattr(results_file, "FOLDER", tmp_path)
+    monkeypatch.setitem(run_command.PROBLEMS, "ground", SimpleNamespace(run=lambda: rows))
+    assert run_command.main(argparse.Namespace(name="ground")) == status
+    stored = json.loads((tmp_path / "ground.json").read_text())
+    assert stored["rows"][0]["good"] is (status == 0)
+    assert stored["rows"][0]["error_percent"] == pytest.approx(100.0 * (value - 1.0))
+    assert {"command", "date", "versions", "machine"} <= set(stored["header"])
+    assert ("MISS" in capsys.readouterr().out) == (status == 1)
