@@ -58,23 +58,9 @@ def section_of(case: Case) -> Section:
     InputError
         As `Section.from_polygons` and `section_from_image`.
     """
-    from geodem.case import RegionSection
+    from geodem.building import make_section
 
-    section = case.section
-    if isinstance(section, RegionSection):
-        from geodem.builders.section import Section
-
-        return Section.from_polygons(section.regions)
-    from geodem.builders.from_image import section_from_image
-
-    return section_from_image(
-        section.image,
-        scale=section.scale,
-        legend=section.legend,
-        background=section.background,
-        y_axis="up" if section.y_axis == "up" else "down",
-        origin=section.origin,
-    )
+    return make_section(case)
 
 
 def ground_from_section(

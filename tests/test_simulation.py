@@ -50,7 +50,6 @@ def test_the_slope_takes_the_serial_kernel(ground):
     assert 200 < ground.particles < SERIAL_LIMIT
 
 
-@pytest.mark.skipif((os.cpu_count() or 1) < 2, reason="needs two cores")
 def test_one_and_two_threads_give_the_same_bits():
     answers = []
     for threads in ("1", "2"):
