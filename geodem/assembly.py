@@ -1,0 +1,170 @@
+"""Assembly: discs or spheres, their materials, bonds, walls and supports; what does not change while they move.
+
+`geodem.builders.assembly_builder.AssemblyBuilder` makes one and checks every number on the way.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int32]
+
+DISC_INERTIA = 0.5
+"""Moment of inertia over m r^2: of a disc about its axis, per metre of length."""
+SPHERE_INERTIA = 0.4
+"""Moment of inertia over m r^2 of a sphere."""
+
+
+@dataclass(frozen=True)
+class Servo:
+    """Drives a wall so that the force it feels reaches a target.
+
+    Each step the wall moves along `direction` with the velocity gain * (target - force), at most `limit`.
+
+    Attributes
+    ----------
+    direction : (d,) float
+        Unit vector into the particles: the way in which the wall pushes.
+    force : float
+        Force that the particles shall exert on the wall against `direction` [N] (2D: N per m).
+    limit : float
+        Largest speed [m/s].
+    gain : float, optional
+        [m/(N s)]; chosen from the stiffness of the contacts where it is None.
+    """
+
+    direction: tuple[float, ...]
+    force: float
+    limit: float
+    gain: float | None = None
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A rigid body made of planes, segments or triangles, fixed, moving or driven by a servo.
+
+    Attributes
+    ----------
+    name : str
+    planes : (k, 2, d) [m]
+        A point on each plane and its unit normal; particles are on the side the normal points to.
+    segments : (k, 2, 2) [m]
+        Ends of segments; 2D only. Particles may touch both sides.
+    triangles : (k, 3, 3) [m]
+        Corners; 3D only. Particles may touch both sides.
+    velocity : (d,) [m/s]
+    spin : (1,) or (3,) [rad/s]
+        Angular velocity about `centre`.
+    centre : (d,) [m]
+        Moves with the wall; torques are taken about it.
+    servo : Servo, optional
+    contact : dict
+        For every particle material the contact law's parameters against this wall.
+    """
+
+    name: str
+    planes: Floats
+    segments: Floats
+    triangles: Floats
+    velocity: Floats
+    spin: Floats
+    centre: Floats
+    contact: dict[str, Any]
+    servo: Servo | None = None
+
+
+@dataclass(frozen=True)
+class Anchors:
+    """Springs between particle centres and points fixed in space (DICE2D's fixed-spring condition).
+
+    Attributes
+    ----------
+    particle : (k,) int32
+    point : (k, d) [m]
+    stiffness : (k,) [N/m]
+    length : (k,) [m]
+        Length without force.
+    """
+
+    particle: Integers
+    point: Floats
+    stiffness: Floats
+    length: Floats
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """Discs (2D, per metre of length) or spheres (3D).
+
+    Attributes
+    ----------
+    dimension : int
+        d = 2 or 3. Rotations have s = 1 or 3 components.
+    positions : (n, d) [m]
+    radii : (n,) [m]
+    mass : (n,) [kg] (2D: kg per m)
+    inertia : (n,) [kg m2]
+    velocities : (n, d) [m/s]
+    spins : (n, s) [rad/s]
+    material : (n,) int32
+        Index into `material_names`.
+    material_names : tuple of str
+    contact_law : str
+        Name in `geodem.laws.CONTACT_LAWS`.
+    contact_table : (m * m, k)
+        Parameters of the contact law; row first * m + second.
+    bond_law : str or None
+        Name in `geodem.laws.BOND_LAWS`; None where nothing is bonded.
+    bond_table : (m * m, k)
+    bonds : (b, 2) int32
+        Particles of every bond, the lower number first.
+    bond_scale : (b,) [-]
+        Factor on the strength of every bond.
+    held : (n, d + s) bool
+        Freedoms whose velocity stays as it is given: 0 for a support, anything for a driven particle.
+    applied : (n, d + s) [N, N m]
+        Constant forces and torques.
+    gravity : (d,) [m/s2]
+    anchors : Anchors or None
+    walls : tuple of Wall
+    """
+
+    dimension: int
+    positions: Floats
+    radii: Floats
+    mass: Floats
+    inertia: Floats
+    velocities: Floats
+    spins: Floats
+    material: Integers
+    material_names: tuple[str, ...]
+    contact_law: str
+    contact_table: Floats
+    bond_law: str | None
+    bond_table: Floats
+    bonds: Integers
+    bond_scale: Floats
+    held: NDArray[np.bool_]
+    applied: Floats
+    gravity: Floats
+    anchors: Anchors | None = None
+    walls: tuple[Wall, ...] = field(default=())
+
+    @property
+    def particles(self) -> int:
+        """Number of particles."""
+        return len(self.positions)
+
+    @property
+    def rotations(self) -> int:
+        """Components of a rotation: 1 in 2D, 3 in 3D."""
+        return 1 if self.dimension == 2 else 3
+
+    def pair_parameters(self, first: int, second: int) -> Floats:
+        """Row of the contact table for two materials."""
+        return np.asarray(self.contact_table[first * len(self.material_names) + second])
