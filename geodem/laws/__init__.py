@@ -3,13 +3,29 @@
 A new law is a new file and one line here. A law of the ground offers ``NAME``, a parameter tuple,
 ``parameters(...)`` from engineering constants, ``reduced(parameters, factor)``, the scalar functions
 ``update_stress`` and ``elastic_energy``, and ``features(tuples)``: which of its branches a scene needs.
+
+A law of contacts or bonds offers ``NAME``, ``PARAMETERS`` (its parameter tuple), ``DIMENSIONS``, the names of its
+history ``SCALAR``, ``TANGENTIAL`` and ``AXIAL``, ``MOMENT``, ``VISCOUS``, the scalar functions ``force``, ``energy``
+and ``stiffness`` (and ``viscous`` where it says so), and ``combine``, ``against_rigid`` and ``check`` on its
+parameters. The names of the scalar functions' arguments say what they need. A contact law may offer ``reach``; a
+bond law offers ``REPLACES_CONTACT`` and ``bonded``. `geodem.laws.protocol` reads and checks all this.
 """
 
 from __future__ import annotations
 
 from types import ModuleType
 
+from .bond import parallel_bond, two_springs
+from .contact import cohesive_frictional, linear_frictional, linear_incremental
 from .ground import mohr_coulomb
 
 GROUND_LAWS: dict[str, ModuleType] = {module.NAME: module for module in (mohr_coulomb,)}
 """Laws of stress-carrying particles by name."""
+
+CONTACT_LAWS: dict[str, ModuleType] = {
+    module.NAME: module for module in (linear_frictional, linear_incremental, cohesive_frictional)
+}
+"""Laws of particles that touch by name."""
+
+BOND_LAWS: dict[str, ModuleType] = {module.NAME: module for module in (two_springs, parallel_bond)}
+"""Laws of bonded particles by name."""

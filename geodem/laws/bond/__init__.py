@@ -1,0 +1,1 @@
+"""Laws of particles that are bonded, one file each."""

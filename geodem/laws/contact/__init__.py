@@ -1,0 +1,1 @@
+"""Laws of particles that touch, one file each."""
