@@ -6,7 +6,6 @@ Every number is looked at when it is given, the whole when it is built; nothing 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,43 +14,18 @@ from numpy.typing import ArrayLike, NDArray
 from geodem.assembly import DISC_INERTIA, SPHERE_INERTIA, Anchors, Assembly, Wall
 from geodem.builders import assembly_checks as checks
 from geodem.builders.assembly_checks import as_numbers, bad_entries, chosen, raise_all
+from geodem.builders.bond_scatter import LognormalScatter
 from geodem.builders.close_pairs import close_pairs
-from geodem.builders.interactions import Materials, find_law, law_parameters
+from geodem.builders.interactions import Materials, find_law, pair_of
 from geodem.builders.memory import refuse_too_large
 from geodem.errors import InputError
 from geodem.laws import BOND_LAWS, CONTACT_LAWS
+from geodem.laws.protocol import make_parameters
 
 Floats = NDArray[np.float64]
 Pairs = NDArray[np.int64]
 
 AXES = "xyz"
-
-
-@dataclass(frozen=True)
-class LognormalScatter:
-    """Strength factors with the mean 1 that scatter from bond to bond.
-
-    Attributes
-    ----------
-    variation : float
-        Coefficient of variation: standard deviation over mean [-].
-    seed : int
-        The same seed gives the same factors to the same number of bonds.
-    """
-
-    variation: float
-    seed: int
-
-    def factors(self, count: int) -> Floats:
-        """`count` factors [-]."""
-        if not (np.isfinite(self.variation) and self.variation >= 0.0):
-            raise InputError(
-                "scale, variation", "the coefficient of variation is negative or not finite",
-                "Give a number such as 0.2.", value=self.variation,
-            )  # fmt: skip
-        variance = np.log1p(self.variation**2)
-        rng = np.random.default_rng(self.seed)
-        return np.asarray(rng.lognormal(-0.5 * variance, np.sqrt(variance), count))
 
 
 class AssemblyBuilder:
@@ -139,7 +113,7 @@ class AssemblyBuilder:
         found = [InputError(f"{place}, density", e.problem, e.remedy, value=density) for e in errors]
         own, bonded = None, None
         try:
-            own = law_parameters(self._law, f"{place}, contact", contact)
+            own = make_parameters(self._law, contact, f"{place}, contact")
         except InputError as error:
             found.append(error)
         if bond is not None and self._bond_law is None:
@@ -150,7 +124,7 @@ class AssemblyBuilder:
             )
         elif bond is not None and self._bond_law is not None:
             try:
-                bonded = law_parameters(self._bond_law, f"{place}, bond", bond)
+                bonded = make_parameters(self._bond_law, bond, f"{place}, bond")
             except InputError as error:
                 found.append(error)
         raise_all(found)
@@ -161,13 +135,13 @@ class AssemblyBuilder:
 
     def set_contact(self, first: str, second: str, **parameters: float) -> None:
         """Parameters of contacts between two materials, or a material and a wall, that replace the combined ones."""
-        self._materials.override("contact", first, second, parameters)
+        self._materials.contact_overrides.setdefault(pair_of(first, second), {}).update(parameters)
 
     def set_bond(self, first: str, second: str, **parameters: float) -> None:
         """Parameters of bonds between two materials that replace the combined ones."""
         if self._bond_law is None:
             raise InputError("set_bond", "there is no bond law", "Give AssemblyBuilder a bond_law.")
-        self._materials.override("bond", first, second, parameters)
+        self._materials.bond_overrides.setdefault(pair_of(first, second), {}).update(parameters)
 
     def add_particles(
         self,

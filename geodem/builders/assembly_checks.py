@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Sequence
 from types import ModuleType
 from typing import Any
@@ -12,8 +11,9 @@ from numpy.typing import NDArray
 
 from geodem.assembly import Assembly, Wall
 from geodem.builders.close_pairs import close_pairs, distances
-from geodem.builders.interactions import named_call
+from geodem.builders.interactions import law_numbers
 from geodem.errors import InputError, InputErrors
+from geodem.laws.protocol import MENU, history_arguments
 
 Floats = NDArray[np.float64]
 Pairs = NDArray[np.int64]
@@ -28,10 +28,13 @@ ROUNDING = 1e-9
 
 def raise_all(errors: Sequence[InputError]) -> None:
     """Raise one error as it is, several together, none not at all."""
-    if len(errors) == 1:
-        raise errors[0]
-    if errors:
-        raise InputErrors(list(errors))
+    single = [
+        one for error in errors for one in (error.errors if isinstance(error, InputErrors) else [error])
+    ]
+    if len(single) == 1:
+        raise single[0]
+    if single:
+        raise InputErrors(single)
 
 
 def as_numbers(what: str, values: Any, shape: tuple[int, ...], unit: str) -> Floats:
@@ -54,7 +57,7 @@ def bad_entries(
     what: str, values: Floats, first: int, unit: str, *, positive: bool = False, item: str = "particle"
 ) -> list[InputError]:
     """An error that names the first entry which is not finite (or not positive) and counts the others."""
-    wrong: NDArray[np.bool_] = np.asarray(~np.isfinite(values))
+    wrong: Any = ~np.isfinite(values)
     if positive:
         wrong |= ~(values > 0.0)
     if values.ndim > 1:
@@ -248,7 +251,7 @@ def energy_of_breaking(contact_law: ModuleType, bond_law: ModuleType, assembly: 
     r <= 1 and mu^2 r^2 (1/q - 1) kn bond / ks bond <= 1 - r (the shear energy F^2 / (2 ks) at the friction
     limit F = mu kn u against the normal energy given up).
     """
-    count = len(assembly.material_names)
+    d, count = assembly.dimension, len(assembly.material_names)
     material = assembly.material[assembly.bonds].astype(np.int64)
     keys = material[:, 0] * count + material[:, 1]
     length = distances(assembly.positions, assembly.bonds.astype(np.int64))
@@ -270,9 +273,9 @@ def energy_of_breaking(contact_law: ModuleType, bond_law: ModuleType, assembly: 
                 "distance": length[one],
                 "overlap": 0.0,
             }
-            kn, ks, *_ = named_call(contact_law.stiffness, contact._asdict() | menu)
-            bond_kn, bond_ks, *_ = named_call(bond_law.stiffness, bond._asdict() | menu)
-            friction = _friction(contact_law, contact._asdict() | menu)
+            kn, ks, *_ = law_numbers(contact_law, "stiffness", d, contact._asdict() | menu)
+            bond_kn, bond_ks, *_ = law_numbers(bond_law, "stiffness", d, bond._asdict() | menu)
+            friction = _friction(contact_law, d, contact._asdict() | menu)
             problem = _gain(kn, ks, bond_kn, bond_ks, friction)
             if problem:
                 names = assembly.material_names
@@ -289,12 +292,16 @@ def energy_of_breaking(contact_law: ModuleType, bond_law: ModuleType, assembly: 
     return errors
 
 
-def _friction(law: ModuleType, menu: dict[str, float]) -> float:
+def _friction(law: ModuleType, dimension: int, menu: dict[str, float]) -> float:
     """Largest shear over normal force that the contact law bears at an overlap of a thousandth of a radius."""
-    arguments = inspect.signature(law.force).parameters
-    calm = dict.fromkeys(arguments, 0.0) | {"time_step": 1.0, "mass_a": 1.0, "mass_b": 1.0} | menu
-    pressed = 1e-3 * min(menu["radius_a"], menu["radius_b"])
-    normal, shear, *_ = named_call(law.force, calm | {"overlap": pressed, f"{law.TANGENTIAL[0]}_x": 1e30})
+    calm = dict.fromkeys((*MENU, *history_arguments(law)), 0.0) | {
+        "time_step": 1.0,
+        "mass_a": 1.0,
+        "mass_b": 1.0,
+    }
+    pressed = {"overlap": 1e-3 * min(menu["radius_a"], menu["radius_b"])}
+    sheared = {f"{law.TANGENTIAL[0]}_x": 1e30} if law.TANGENTIAL else {}
+    normal, shear, *_ = law_numbers(law, "force", dimension, calm | menu | pressed | sheared)
     return float(shear / normal) if normal > 0.0 else np.inf
 
 

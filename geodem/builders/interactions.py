@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import difflib
-import inspect
 import itertools
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import ModuleType
@@ -16,6 +14,7 @@ from numpy.typing import NDArray
 
 from geodem.assembly import Wall
 from geodem.errors import InputError
+from geodem.laws.protocol import argument_names, in_dimension, make_parameters
 
 Floats = NDArray[np.float64]
 Numbers = Mapping[str, float]
@@ -27,9 +26,11 @@ def nearest(word: str, known: list[str]) -> str:
     return f"Did you mean {near[0]!r}?" if near else f"Known: {', '.join(sorted(known)) or 'none'}."
 
 
-def named_call(function: Any, menu: Mapping[str, float]) -> Any:
-    """Call a function of a law with those of the numbers that its arguments name."""
-    return function(**{name: menu[name] for name in inspect.signature(function).parameters})
+def law_numbers(law: ModuleType, function: str, dimension: int, menu: Numbers) -> tuple[float, ...]:
+    """Answer of a law's function to those of the numbers in `menu` that its arguments name."""
+    called = getattr(law, function)
+    answer = in_dimension(called, dimension)(**{name: menu[name] for name in argument_names(called)})
+    return tuple(answer)
 
 
 def find_law(kind: str, name: str, laws: Mapping[str, ModuleType], dimension: int) -> ModuleType:
@@ -44,53 +45,6 @@ def find_law(kind: str, name: str, laws: Mapping[str, ModuleType], dimension: in
             place, f"the law is not made for {dimension}D", f"Take one of: {', '.join(fit)}.", value=name
         )
     return law
-
-
-def law_parameters(law: ModuleType, place: str, values: Numbers) -> Any:
-    """The law's parameter tuple from numbers by name; `InputError` for one that lacks, one too many, or a bad one."""
-    fields = list(law.PARAMETERS._fields)
-    refuse_unknown(law, place, values)
-    lacking = [name for name in fields if name not in values and name not in law.PARAMETERS._field_defaults]
-    if lacking:
-        raise InputError(
-            place,
-            f"the law {law.NAME!r} lacks {', '.join(lacking)}",
-            f"Give {', '.join(f'{name}=...' for name in lacking)} in SI units.",
-        )
-    return checked(law, place, law.PARAMETERS(**{name: number(place, name, values[name]) for name in values}))
-
-
-def refuse_unknown(law: ModuleType, place: str, values: Numbers) -> None:
-    """Raise `InputError` for a parameter that the law does not have."""
-    fields = list(law.PARAMETERS._fields)
-    for name in values:
-        if name not in fields:
-            raise InputError(
-                f"{place}, {name}",
-                f"the law {law.NAME!r} has no such parameter",
-                nearest(name, fields),
-                value=values[name],
-            )
-
-
-def number(place: str, name: str, value: Any) -> float:
-    """The value as a float, or `InputError`."""
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        raise InputError(
-            f"{place}, {name}", "this is not a number", "Give one number in SI units.", value=value
-        ) from None
-
-
-def checked(law: ModuleType, place: str, parameters: Any) -> Any:
-    """The parameters, or `InputError` for the first one that the law cannot work with."""
-    for name, value in parameters._asdict().items():
-        if math.isnan(value):
-            raise InputError(f"{place}, {name}", "this is not a number", "Give a number.", value=value)
-    for name, problem, remedy in law.check(parameters):
-        raise InputError(f"{place}, {name}", problem, remedy, value=getattr(parameters, name))
-    return parameters
 
 
 @dataclass
@@ -127,16 +81,6 @@ class Materials:
             raise InputError(place, "there is no such material", nearest(name, self.names), value=name)
         return self.names.index(name)
 
-    def override(self, kind: str, first: str, second: str, values: Numbers) -> None:
-        """Parameters that a pair has instead of those that follow from the two materials."""
-        law = self.contact_law if kind == "contact" else self.bond_law
-        assert law is not None
-        place = f"{kind} of {first!r} and {second!r}"
-        refuse_unknown(law, place, values)
-        table = self.contact_overrides if kind == "contact" else self.bond_overrides
-        key = (min(first, second), max(first, second))
-        table.setdefault(key, {}).update({name: number(place, name, values[name]) for name in values})
-
     def refuse_unknown_names(self, walls: list[str]) -> None:
         """Raise `InputError` for an override between names that are neither materials nor walls."""
         for kind, table, others in (
@@ -145,12 +89,11 @@ class Materials:
         ):
             for pair in table:
                 place = f"{kind} of {pair[0]!r} and {pair[1]!r}"
+                known = self.names + others
                 for name in pair:
-                    if name not in self.density and name not in others:
-                        known = self.names + others
-                        raise InputError(
-                            place, "this is neither a material nor a wall", nearest(name, known), value=name
-                        )
+                    if name not in known:
+                        problem = f"there is no material{' or wall' if kind == 'contact' else ''} {name!r}"
+                        raise InputError(place, problem, nearest(name, known))
                 if not any(name in self.density for name in pair):
                     raise InputError(
                         place, "walls do not touch each other", "Name one material and one wall."
@@ -179,11 +122,11 @@ class Materials:
             first, second = names[i], names[j]
             if first not in own or second not in own:
                 continue
-            parameters = own[first] if i == j else law.combine(own[first], own[second])
-            changed = overrides.get((min(first, second), max(first, second)))
+            parameters = law.combine(own[first], own[second])
+            changed = overrides.get(pair_of(first, second))
             if changed:
                 place = f"{kind} of {first!r} and {second!r}"
-                parameters = checked(law, place, parameters._replace(**changed))
+                parameters = make_parameters(law, parameters._asdict() | changed, place)
             table[i, j] = table[j, i] = parameters
         return table.reshape(len(names) ** 2, -1)
 
@@ -194,22 +137,21 @@ class Materials:
         or by material a dictionary of such numbers. Overrides of the pair go over both.
         """
         law = self.contact_law
-        place = f"wall {wall.name!r}, contact"
         general = {name: value for name, value in wall.contact.items() if name not in self.density}
         for name, value in general.items():
             if isinstance(value, (Mapping, tuple)):
+                place = f"wall {wall.name!r}, contact"
                 raise InputError(place, "there is no such material", nearest(name, self.names), value=name)
-        refuse_unknown(law, place, general)
         contact = {}
         for name in self.names:
-            changed = dict(general)
             special = wall.contact.get(name, {})
-            changed |= special._asdict() if isinstance(special, law.PARAMETERS) else special
-            key = (min(name, wall.name), max(name, wall.name))
-            changed |= self.contact_overrides.get(key, {})
-            here = f"{place} with {name!r}"
-            refuse_unknown(law, here, changed)
-            numbers = {field: number(here, field, value) for field, value in changed.items()}
-            parameters = law.against_rigid(self.contact[name])._replace(**numbers)
-            contact[name] = checked(law, here, parameters)
+            changed = general | dict(special if isinstance(special, Mapping) else special._asdict())
+            changed |= self.contact_overrides.get(pair_of(name, wall.name), {})
+            own = law.against_rigid(self.contact[name])._asdict()
+            contact[name] = make_parameters(law, own | changed, f"contact of {name!r} and wall {wall.name!r}")
         return replace(wall, contact=contact)
+
+
+def pair_of(first: str, second: str) -> tuple[str, str]:
+    """Key of an override: the same whichever of the two names comes first."""
+    return min(first, second), max(first, second)
