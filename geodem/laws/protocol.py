@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import difflib
+import dis
 import inspect
 import itertools
 import math
@@ -81,6 +82,16 @@ def history_names(law: ModuleType, dimension: int) -> tuple[str, ...]:
     if dimension == 3:
         return history_arguments(law)
     return (*law.SCALAR, *(f"{name}_x" for name in law.TANGENTIAL))
+
+
+def constants(law: ModuleType, dimension: int) -> dict[str, bool | int | float]:
+    """Module constants that a law's functions use, for the kernel's module; ``SPHERES`` = (dimension == 3)."""
+    functions = [getattr(law, function) for function in _ASKS if hasattr(law, function)]
+    names = {name for function in functions for name in _globals(function)}
+    found = {name: getattr(law, name) for name in sorted(names) if name.isupper()}
+    if "SPHERES" in found:
+        found["SPHERES"] = dimension == 3
+    return found
 
 
 def in_dimension(function: Callable[..., Any], dimension: int) -> Callable[..., Any]:
@@ -195,6 +206,7 @@ def check_law(law: ModuleType, kind: Literal["contact", "bond"]) -> None:
             if kind == "contact":
                 allowed = tuple(word for word in allowed if word != "scale")
             _check_arguments(f"{place}: {function}", getattr(law, function), allowed)
+            _check_globals(f"{place}: {function}", law, getattr(law, function))
     moments = 4 if law.MOMENT else 0
     returned = {
         "force": 4 + moments + len(history) + (2 if kind == "bond" else 0),
@@ -213,6 +225,21 @@ def _check_arguments(place: str, function: Callable[..., Any], allowed: Sequence
             near = difflib.get_close_matches(name, allowed, n=1, cutoff=0.5)
             hint = f'Did you mean "{near[0]}"? ' if near else ""
             raise InputError(place, f'asks for "{name}"', f"{hint}It may ask for {_listed(allowed)}")
+
+
+def _globals(function: Callable[..., Any]) -> list[str]:
+    """Names that a function takes from its module, in order."""
+    found = (step.argval for step in dis.get_instructions(function) if step.opname == "LOAD_GLOBAL")
+    return list(dict.fromkeys(found))
+
+
+def _check_globals(place: str, law: ModuleType, function: Callable[..., Any]) -> None:
+    """Its text is joined into a generated module, where nothing else of the law's file is known."""
+    for name in _globals(function):
+        constant = name.isupper() and isinstance(getattr(law, name, None), bool | int | float)
+        if not constant and name not in ("math", "abs"):
+            remedy = "It may use math, abs, its arguments and numbers in CAPITALS of its own module"
+            raise InputError(place, f'uses "{name}"', remedy)
 
 
 def _check_return(place: str, function: Callable[..., Any], count: int) -> None:

@@ -1,9 +1,9 @@
 """Bond of two normal springs side by side and one shear spring, 2D (DICE2D's bond).
 
-Reference: Zhao (2015), DICE2D, ch. 1 of Computing in Geotechnical Engineering, eqs 1.17-1.35. The springs stand
-a width db = width_ratio * (smaller diameter) apart and carry half of kn each; each one is Mohr-Coulomb with a
-tension cut-off. The book adds the normal force up step by step; here it follows from the whole change of
-distance, which is the same while the bond lives, and cannot drift. Pressure raises the strength in shear.
+Reference: Zhao (2015), High Performance Computing and the Discrete Element Model, ch. 1, eqs 1.17-1.35. The
+springs stand a width db = width_ratio * (smaller diameter) apart and carry half of kn each; each one is
+Mohr-Coulomb with a tension cut-off, so pressure raises the strength in shear. The book adds the normal force up
+step by step; here it follows from the whole change of distance, which is the same and cannot drift.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Linear contact with Coulomb friction: a spring along the normal, a spring across it, and a slider.
 
 Reference: Cundall & Strack (1979), A discrete numerical model for granular assemblies, Geotechnique 29:47-65.
-The normal force follows from the whole overlap, so nothing drifts. Viscosity in the form of Zhao (2015),
-eqs 1.31-1.32.
+The normal force follows from the whole overlap, so nothing drifts. Viscosity in the form of Zhao (2015), High
+Performance Computing and the Discrete Element Model, eqs 1.31-1.32.
 """
 
 from __future__ import annotations

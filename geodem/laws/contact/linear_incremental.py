@@ -1,8 +1,8 @@
 """Linear contact with Coulomb friction, both forces summed up step by step (DICE2D's contact).
 
-Reference: Zhao (2015), DICE2D, ch. 1 of Computing in Geotechnical Engineering, eqs 1.20-1.32 and 1.36-1.44.
-The normal force adds up kn times the approach and is never tensile. Where the overlap has been pressed from
-touch it equals kn times the overlap; after a force lost at zero it starts from there, at any overlap.
+Reference: Zhao (2015), High Performance Computing and the Discrete Element Model, ch. 1, eqs 1.20-1.44. The normal
+force adds up kn times the approach and is never tensile. Pressed from touch on it equals kn times the overlap;
+after it was lost at zero it starts anew, at any overlap.
 """
 
 from __future__ import annotations
