@@ -35,7 +35,16 @@ def scaled_mass(matrix: csr_matrix, held: NDArray[np.bool_]) -> Floats:
         Elastic stiffness; yielding only lowers it.
     held : (n, 2) bool
     """
-    rows = np.asarray(abs(matrix).sum(axis=1)).ravel()
+    return mass_of_rows(matrix, held, row_sums(matrix)).reshape(-1, 2)
+
+
+def row_sums(matrix: csr_matrix) -> Floats:
+    """Sums (m,) of |K_ij| over j."""
+    return np.asarray(abs(matrix).sum(axis=1), dtype=float).ravel()
+
+
+def mass_of_rows(matrix: csr_matrix, held: NDArray[np.bool_], rows: Floats) -> Floats:
+    """Inertia (m,) in proportion to `rows`, each at least the row sum of |K|, for a step of one."""
     free = ~held.ravel()
     largest = 1.0
     if free.any():
@@ -48,4 +57,4 @@ def scaled_mass(matrix: csr_matrix, held: NDArray[np.bool_]) -> Floats:
             largest = float((vector * image * scale).sum() / (vector * vector * scale).sum())
             vector = image
     largest = min(1.0, largest * EIGENVALUE_MARGIN)
-    return np.asarray((rows * (largest / 4.0 / SHARE_OF_CRITICAL**2)).reshape(-1, 2))
+    return np.asarray(rows * (largest / 4.0 / SHARE_OF_CRITICAL**2))
