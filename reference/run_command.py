@@ -6,12 +6,17 @@ import argparse
 import sys
 from types import ModuleType
 
-from .problems import ground, published_slopes
+from .problems import ground, lattice, published_slopes, timestep
 from .results_file import store_rows
 
 HELP = "run a group of problems, print every figure beside its bound, store the rows; exit status 0 if all are good"
 
-PROBLEMS: dict[str, ModuleType] = {"ground": ground, "slopes": published_slopes}
+PROBLEMS: dict[str, ModuleType] = {
+    "ground": ground,
+    "lattice": lattice,
+    "slopes": published_slopes,
+    "timestep": timestep,
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
