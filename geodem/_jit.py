@@ -33,6 +33,10 @@ os.environ.setdefault("GOMP_SPINCOUNT", "20000")
 # left out: they would let the compiler drop comparisons that meet infinite strengths.
 _OPTIONS = "cache=True, error_model='numpy', fastmath={'afn', 'arcp', 'contract', 'nsz', 'reassoc'}"
 
+# Everything: for kernels whose tables hold finite numbers only and whose results are tested for finiteness outside.
+# Terms that a scene lacks are zeros here and there, and only "nnan" and "nsz" together let them vanish.
+_FINITE_OPTIONS = "cache=True, error_model='numpy', fastmath=True"
+
 _compile_seconds = 0.0
 
 
@@ -129,17 +133,25 @@ def add_compile_seconds(seconds: float) -> None:
 
 
 def kernel_text(
-    functions: Sequence[Callable[..., Any]], constants: Mapping[str, object], parallel: bool
+    functions: Sequence[Callable[..., Any]],
+    constants: Mapping[str, object],
+    parallel: bool,
+    texts: Sequence[str] = (),
+    finite: bool = False,
 ) -> str:
-    """Source of a kernel module: constants first, then each function's own text, in the order given."""
+    """Source of a kernel module: constants, texts to be inlined, then each function's text, in the order given."""
+    options = _FINITE_OPTIONS if finite else _OPTIONS
     lines = ['"""Written by geodem._jit; edits are lost."""', "import math", "import numpy as np"]
     lines += ["from numba import njit, prange", ""]
     lines += [f"{name} = {value!r}" for name, value in constants.items()]
+    for text in texts:
+        inlined = [f"@njit(forceinline=True, {options})"] if text.startswith("def ") else []
+        lines += ["", "", *inlined, text]
     for function in functions:
         source = textwrap.dedent(inspect.getsource(function)).rstrip()
         # only loops that ask for it are made parallel: numba warns about any other function
         threads = parallel and "prange(" in source
-        lines += ["", "", f"@njit(parallel={threads}, {_OPTIONS})", source]
+        lines += ["", "", f"@njit(parallel={threads}, {options})", source]
     return "\n".join(lines) + "\n"
 
 
@@ -148,6 +160,8 @@ def compile_kernel(
     constants: Mapping[str, object],
     *,
     parallel: bool,
+    texts: Sequence[str] = (),
+    finite: bool = False,
 ) -> ModuleType:
     """Write and import the module that holds `functions` compiled with `constants`.
 
@@ -160,6 +174,11 @@ def compile_kernel(
         Module globals: features of the scene, folded by the compiler.
     parallel : bool
         Compile with numba's parallel backend (``prange`` is a plain range otherwise).
+    texts : sequence of str
+        Sources of functions that are written before the others and inlined where they are called (or of plain
+        statements).
+    finite : bool
+        The kernel meets finite numbers only, so the compiler need not care for infinities and what is no number.
 
     Returns
     -------
@@ -172,7 +191,7 @@ def compile_kernel(
     settings = _numba_settings()
     if settings.THREADING_LAYER == "default":
         settings.THREADING_LAYER = "omp" if _has_openmp() else "workqueue"
-    text = kernel_text(functions, constants, parallel)
+    text = kernel_text(functions, constants, parallel, texts, finite)
     digest = hashlib.sha256(f"{numba.__version__}{text}".encode()).hexdigest()[:24]
     name = f"geodem_kernel_{digest}"
     module = sys.modules.get(name)

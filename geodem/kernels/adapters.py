@@ -1,0 +1,293 @@
+"""Adapters between the loops, which know geometry, and the laws, which name what they need.
+
+A law asks for its arguments by name (see `geodem.laws`). The loops always call ``contact(...)`` or ``bond(...)``
+with everything there is; the text written here picks out what the law of the scene asked for, and the compiler
+drops the rest. In 2D the components y and z of a history are zero and not stored, and what turns about the normal
+does not exist.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+import textwrap
+from collections.abc import Callable, Iterable, Sequence
+from types import FunctionType, ModuleType
+from typing import Any, NamedTuple
+
+FORWARD = ("overlap", "approach", "slip_x", "slip_y", "slip_z", "twist", "bend_x", "bend_y", "bend_z")
+SIZES = ("radius_a", "radius_b", "distance")
+BODIES = ("mass_a", "mass_b", "time_step")
+AXES = ("x", "y", "z")
+
+
+class HistoryLayout(NamedTuple):
+    """Columns of a pair's history.
+
+    Attributes
+    ----------
+    contact, bond : tuple of str
+        Names of the stored values, in the order of their columns; the contact's come first.
+    offset : int or None
+        Column of the distance at bonding - ra - rb; None where nothing is bonded.
+    stored : int or None
+        First column of the energy account; None where there is none.
+    width : int
+    """
+
+    contact: tuple[str, ...]
+    bond: tuple[str, ...]
+    offset: int | None
+    stored: int | None
+    width: int
+
+
+def stored_names(law: ModuleType, dimension: int) -> tuple[str, ...]:
+    """Names of what a law stores per pair: scalars, tangential components, values about the normal (3D only)."""
+    axes = AXES if dimension == 3 else AXES[:1]
+    names = [*law.SCALAR, *(f"{name}_{axis}" for name in law.TANGENTIAL for axis in axes)]
+    return tuple(names + (list(law.AXIAL) if dimension == 3 else []))
+
+
+def returned_names(law: ModuleType) -> tuple[str, ...]:
+    """Names of the history that a law returns, in its order: always three components and the axial values."""
+    tangential = [f"{name}_{axis}" for name in law.TANGENTIAL for axis in AXES]
+    return (*law.SCALAR, *tangential, *law.AXIAL)
+
+
+def history_layout(
+    contact: ModuleType, bond: ModuleType | None, *, dimension: int, energy: bool, shear: bool = True
+) -> HistoryLayout:
+    """Columns of the history of a scene's pairs; without `shear` the contact law stores no tangential history."""
+    contact_names = stored_names(contact, dimension)
+    if not shear:
+        dropped = tuple(f"{name}_{axis}" for name in contact.TANGENTIAL for axis in AXES)
+        contact_names = tuple(name for name in contact_names if name not in dropped)
+    bond_names = stored_names(bond, dimension) if bond is not None else ()
+    width = len(contact_names) + len(bond_names)
+    offset = stored = None
+    if bond is not None:
+        offset, width = width, width + 1
+    if energy:
+        stored, width = width, width + (14 if dimension == 3 else 7)
+    return HistoryLayout(contact_names, bond_names, offset, stored, max(width, 1))
+
+
+def law_text(law: ModuleType, functions: Sequence[str], prefix: str) -> list[str]:
+    """Sources of a law's functions and of those of its module that they call, each name with a prefix."""
+    found: dict[str, str] = {}
+
+    def collect(name: str) -> None:
+        function = getattr(law, name, None)
+        if name in found or not isinstance(function, FunctionType) or function.__module__ != law.__name__:
+            return
+        for called in function.__code__.co_names:
+            collect(called)
+        found[name] = source(function)
+
+    for name in functions:
+        collect(name)
+    renamed = []
+    for text in found.values():
+        for name in found:
+            text = re.sub(rf"\b{name}\(", f"{prefix}_{name}(", text)
+        renamed.append(text)
+    return renamed
+
+
+def source(function: Callable[..., Any]) -> str:
+    """Text of a function, to be inlined."""
+    return textwrap.dedent(inspect.getsource(function)).rstrip()
+
+
+def asked_names(law: ModuleType, function: str) -> set[str]:
+    """What a law's function asks for."""
+    return set(inspect.signature(getattr(law, function)).parameters)
+
+
+def module_constants(*modules: ModuleType) -> dict[str, object]:
+    """Constants in capital letters of modules that loops are defined in."""
+    return law_constants(modules)
+
+
+def law_constants(laws: Iterable[ModuleType]) -> dict[str, object]:
+    """Module constants of the laws that their functions may use: numbers and truths in capital letters."""
+    constants: dict[str, object] = {}
+    for law in laws:
+        for name, value in vars(law).items():
+            if re.fullmatch(r"[A-Z][A-Z0-9_]*", name) and isinstance(value, bool | int | float):
+                constants[name] = value
+    return constants
+
+
+def _function(name: str, arguments: Sequence[str], lines: Sequence[str]) -> str:
+    return "\n".join([f"def {name}({', '.join(arguments)}):", *(f"    {line}" for line in lines)])
+
+
+def _tuple(values: Sequence[str]) -> str:
+    return "(" + "".join(f"{value}, " for value in values).rstrip() + ")" if values else "()"
+
+
+def _call(
+    law: ModuleType, name: str, prefix: str, fields: Sequence[str], history: Sequence[str], menu: Sequence[str]
+) -> str:
+    """Call of a law's function with the arguments that its signature names."""
+    places = {field: f"parameters[{k}]" for k, field in enumerate(fields)}
+    places |= {value: f"history[{k}]" for k, value in enumerate(history)}
+    places |= {value: value for value in menu}
+    wanted = inspect.signature(getattr(law, name)).parameters
+    # a component that the dimension lacks is zero and not stored
+    arguments = [places.get(argument, "0.0") for argument in wanted]
+    return f"{prefix}_{name}({', '.join(arguments)})"
+
+
+def _store(name: str, history: Sequence[str], first: int) -> list[str]:
+    load = _function(
+        f"load_{name}", ["history", "p"], [f"return {_tuple([f'history[p, {first + k}]' for k in range(len(history))])}"]
+    )
+    stores = [f"history[p, {first + k}] = values[{k}]" for k in range(len(history))]
+    return [load, _function(f"store_{name}", ["history", "p", "values"], stores or ["pass"])]
+
+
+def _lane(name: str, history: Sequence[str], first: int) -> list[str]:
+    """A lane of a block as the law wants it, and its way from and to the history of a pair."""
+    rows = [f"block[HISTORY + {k}, lane]" for k in range(len(history))]
+    columns = [f"history[p, {first + k}]" for k in range(len(history))]
+    both = list(zip(rows, columns, strict=True))
+    pair = ["block", "lane", "history", "p"]
+    return [
+        _function(f"load_{name}_lane", ["block", "lane"], [f"return {_tuple(rows)}"]),
+        _function(
+            f"store_{name}_lane",
+            ["block", "lane", "values"],
+            [f"{row} = values[{k}]" for k, row in enumerate(rows)] or ["pass"],
+        ),
+        _function(f"gather_{name}", pair, [f"{row} = {column}" for row, column in both] or ["pass"]),
+        _function(f"scatter_{name}", pair, [f"{column} = {row}" for row, column in both] or ["pass"]),
+    ]
+
+
+def _transport(name: str, law: ModuleType, history: Sequence[str], dimension: int) -> str:
+    """Turn the tangential vectors with the contact's frame (3D), to second order in the step.
+
+    With h half the change of n and w the mean spin about n times the step: s - (s.n)(n - h) + w n x s.
+    """
+    arguments = ["values", "nx", "ny", "nz", "turn_x", "turn_y", "turn_z", "spin"]
+    lines: list[str] = []
+    result = {value: f"values[{k}]" for k, value in enumerate(history)}
+    for vector in law.TANGENTIAL if dimension == 3 else ():
+        if f"{vector}_x" not in result:
+            continue
+        x, y, z = (f"{vector}_{axis}" for axis in AXES)
+        lines += [
+            f"{x} = {result[x]}",
+            f"{y} = {result[y]}",
+            f"{z} = {result[z]}",
+            f"out = {x} * nx + {y} * ny + {z} * nz",
+            f"new_x = {x} - out * (nx - turn_x) + spin * (ny * {z} - nz * {y})",
+            f"new_y = {y} - out * (ny - turn_y) + spin * (nz * {x} - nx * {z})",
+            f"new_z = {z} - out * (nz - turn_z) + spin * (nx * {y} - ny * {x})",
+            f"{x} = new_x",
+            f"{y} = new_y",
+            f"{z} = new_z",
+        ]
+        result |= {x: x, y: y, z: z}
+    return _function(f"transport_{name}", arguments, [*lines, f"return {_tuple([result[v] for v in history])}"])
+
+
+def _law_adapter(
+    name: str, law: ModuleType, prefix: str, history: Sequence[str], menu: Sequence[str], extra: Sequence[str]
+) -> str:
+    fields = law.PARAMETERS._fields
+    forces = ["normal", "shear_force_x", "shear_force_y", "shear_force_z"]
+    moments = ["twist_moment", "bend_moment_x", "bend_moment_y", "bend_moment_z"]
+    returned = returned_names(law)
+    targets = forces + (moments if law.MOMENT else []) + [f"new_{value}" for value in returned] + list(extra)
+    lines = [f"{', '.join(targets)} = {_call(law, 'force', prefix, fields, history, menu)}"]
+    values = [*forces, *(moments if law.MOMENT else ["0.0"] * 4)]
+    values += [_tuple([f"new_{value}" for value in history]), *extra]
+    lines.append(f"return {', '.join(values)}")
+    return _function(name, ["parameters", *menu, "history"], lines)
+
+
+def _parameters_adapter(name: str, law: ModuleType) -> str:
+    count = len(law.PARAMETERS._fields)
+    return _function(name, ["table", "row"], [f"return {_tuple([f'table[row, {k}]' for k in range(count)])}"])
+
+
+def contact_adapters(
+    law: ModuleType, *, name: str, dimension: int, layout: HistoryLayout, viscous: bool
+) -> tuple[list[str], list[str]]:
+    """Texts of a contact law's functions and of the adapters between them and the loops.
+
+    Parameters
+    ----------
+    name : str
+        "contact" for pairs, "wall" for walls; functions are called ``contact``, ``load_contact`` and so on.
+    """
+    menu = (*FORWARD, *SIZES, *BODIES)
+    wanted = ["force", "energy", *(["viscous"] if viscous else []), *(["reach"] if hasattr(law, "reach") else [])]
+    prefix = f"{name}_law"
+    fields, history = law.PARAMETERS._fields, layout.contact
+    adapters = [_parameters_adapter(f"{name}_parameters", law)]
+    adapters.append(_law_adapter(name, law, prefix, history, menu, ()))
+    quiet = "0.0, 0.0, 0.0, 0.0"
+    call = _call(law, "viscous", prefix, fields, (), menu) if viscous else quiet
+    rates = ("overlap", "approach", "slip_x", "slip_y", "slip_z", *SIZES, *BODIES)
+    adapters.append(_function(f"{name}_viscous", ["parameters", *rates], [f"return {call}"]))
+    energy = _call(law, "energy", prefix, fields, history, ("overlap", *SIZES))
+    adapters.append(
+        _function(f"{name}_energy", ["parameters", "overlap", "radius_a", "radius_b", "distance", "history"], [f"return {energy}"])
+    )
+    reach = _call(law, "reach", prefix, fields, (), ("radius_a", "radius_b")) if hasattr(law, "reach") else "0.0"
+    adapters.append(_function(f"{name}_reach", ["parameters", "radius_a", "radius_b"], [f"return {reach}"]))
+    adapters += _store(name, history, 0)
+    adapters += _lane(name, history, 0)
+    adapters.append(_function(f"no_{name}", [], [f"return {_tuple(['0.0'] * len(history))}"]))
+    sheared = [
+        {"shear_x": "shear_x", "shear_y": "shear_y", "shear_z": "shear_z"}.get(value, f"values[{k}]")
+        for k, value in enumerate(history)
+    ]
+    adapters.append(_function("with_shear", ["values", *(f"shear_{a}" for a in AXES)], [f"return {_tuple(sheared)}"]))
+    adapters.append(_transport(name, law, history, dimension))
+    return law_text(law, wanted, prefix), adapters
+
+
+def bond_adapters(
+    law: ModuleType, *, dimension: int, layout: HistoryLayout, viscous: bool
+) -> tuple[list[str], list[str]]:
+    """Texts of a bond law's functions and of the adapters between them and the loops."""
+    menu = (*FORWARD, *SIZES, *BODIES, "scale")
+    wanted = ["force", "energy", *(["viscous"] if viscous else [])]
+    fields, history = law.PARAMETERS._fields, layout.bond
+    adapters = [_parameters_adapter("bond_parameters", law)]
+    adapters.append(_law_adapter("bond", law, "bond_law", history, menu, ("tension_utilisation", "shear_utilisation")))
+    call = _call(law, "viscous", "bond_law", fields, (), menu) if viscous else "0.0, 0.0, 0.0, 0.0"
+    rates = ("overlap", "approach", "slip_x", "slip_y", "slip_z", *SIZES, *BODIES)
+    adapters.append(_function("bond_viscous", ["parameters", *rates], [f"return {call}"]))
+    energy = _call(law, "energy", "bond_law", fields, history, ("overlap", *SIZES))
+    adapters.append(
+        _function("bond_energy", ["parameters", "overlap", "radius_a", "radius_b", "distance", "history"], [f"return {energy}"])
+    )
+    adapters += _store("bond", history, len(layout.contact))
+    adapters += _lane("bond", history, len(layout.contact))
+    adapters.append(_transport("bond", law, history, dimension))
+    return law_text(law, wanted, "bond_law"), adapters
+
+
+def no_bond_adapters() -> list[str]:
+    """Stand-ins where a scene has no bonds: never called, but named in the loops."""
+    names = ["bond_parameters", "bond", "bond_viscous", "bond_energy", "load_bond", "store_bond", "transport_bond"]
+    names += ["load_bond_lane", "store_bond_lane", "gather_bond", "scatter_bond"]
+    return [f"{name} = None" for name in names]
+
+
+
+
+def wall_adapters(
+    law: ModuleType, *, dimension: int, layout: HistoryLayout, viscous: bool
+) -> tuple[list[str], list[str]]:
+    """Texts of the contact law's functions and of the adapters between them and the loops over walls."""
+    functions, adapters = contact_adapters(law, name="wall", dimension=dimension, layout=layout, viscous=viscous)
+    # who hands a shear force over is a pair
+    return functions, [text for text in adapters if not text.startswith("def with_shear")]

@@ -1,0 +1,391 @@
+"""The loop over pairs of discs or spheres, one pair at a time: geometry, call of the laws, force on both.
+
+These functions are never run as they stand here: `geodem.kernels.particle_kernel` joins their text with that of the
+laws, with small adapters made from the laws' own signatures (`geodem.kernels.adapters`), and with the constants
+below, set to what the scene has. They contain no physics: what a contact does is in ``geodem/laws``.
+
+Conventions (pair a, b; n from a to b; d the distance): the overlap is ra + rb - d, and where the pair was bonded it
+is measured from the distance at bonding, so that neither a bond nor what is left of it starts with a force. The
+arms (d + ra - rb)/2 and (d + rb - ra)/2 add up to d, so that a rigid rotation of the pair is no slip. Forces are
+those on a: -normal n + shear. In 2D a law is called in the contact's own frame: x is along t = (-ny, nx).
+
+A chunk owns a range of particles. It adds up the force on its own particles only: a pair across two chunks stands
+in both, and both compute it from the same numbers in the same order, so the bits never depend on threads.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+# What a scene may lack; set by the module that the kernel is compiled in.
+SPACE = True  # spheres in 3D, not discs in 2D
+BONDS = True
+REPLACES = True  # the contact law sleeps while a bond is intact
+REACH = True  # a contact may hold beyond touch
+ONE_MATERIAL = False
+MATERIALS = 1
+MOMENT = True
+ENERGY = True
+VISCOUS_CONTACT = True
+VISCOUS_BOND = True
+OFFSET = 0  # column of the history: distance at bonding - ra - rb
+STORED = 0  # first column of the energy account: elastic energy, then the forces of the last step
+
+# Columns of the rows: 3D (2D).
+RADIUS = 3  # (2)
+VELOCITY = 4  # (4)
+MASS = 7  # (7)
+SPIN = 8  # (6)
+MATERIAL = 11  # (3)
+
+# Columns of the energy sums of a chunk.
+FRICTION = 0
+VISCOUS = 1
+BROKEN = 2
+ELASTIC = 3
+
+# Columns of the record of a bond: 0 intact, 1 broken in tension, 2 in shear; step; energy released; place.
+STATE = 0
+STEP = 1
+RELEASED = 2
+PLACE = 3
+
+# Written by geodem.kernels.adapters from the laws of the scene.
+contact_parameters: Any = None
+contact: Any = None
+contact_viscous: Any = None
+contact_energy: Any = None
+contact_reach: Any = None
+load_contact: Any = None
+store_contact: Any = None
+no_contact: Any = None
+with_shear: Any = None
+transport_contact: Any = None
+bond_parameters: Any = None
+bond: Any = None
+bond_viscous: Any = None
+bond_energy: Any = None
+load_bond: Any = None
+store_bond: Any = None
+transport_bond: Any = None
+
+
+def account(
+    history, p, born, stored, approach, slip_x, slip_y, slip_z, twist, bend_x, bend_y, bend_z, overlap,
+    normal, shear_x, shear_y, shear_z, twisting, bending_x, bending_y, bending_z, damp, drag_x, drag_y, drag_z,
+):  # fmt: skip
+    """Energy of one contact in one step, from the means of the old and the new forces.
+
+    Returns
+    -------
+    lost : float
+        Work done on the contact's springs and not stored [J].
+    heat : float
+        Work done on its dashpots [J].
+    """
+    # a contact is born inside the step, when its overlap was zero
+    gained = overlap if born else approach
+    work = 0.5 * (normal + history[p, STORED + 1]) * gained + 0.5 * (shear_x + history[p, STORED + 2]) * slip_x
+    work += 0.5 * (bending_x + history[p, STORED + 3]) * bend_x
+    heat = 0.5 * (damp + history[p, STORED + 4]) * gained + 0.5 * (drag_x + history[p, STORED + 5]) * slip_x
+    if SPACE:
+        work += 0.5 * (shear_y + history[p, STORED + 7]) * slip_y + 0.5 * (shear_z + history[p, STORED + 8]) * slip_z
+        work += 0.5 * (bending_y + history[p, STORED + 9]) * bend_y
+        work += 0.5 * (bending_z + history[p, STORED + 10]) * bend_z
+        work += 0.5 * (twisting + history[p, STORED + 11]) * twist
+        heat += 0.5 * (drag_y + history[p, STORED + 12]) * slip_y + 0.5 * (drag_z + history[p, STORED + 13]) * slip_z
+        history[p, STORED + 7] = shear_y
+        history[p, STORED + 8] = shear_z
+        history[p, STORED + 9] = bending_y
+        history[p, STORED + 10] = bending_z
+        history[p, STORED + 11] = twisting
+        history[p, STORED + 12] = drag_y
+        history[p, STORED + 13] = drag_z
+    lost = work - (stored - history[p, STORED])
+    history[p, STORED] = stored
+    history[p, STORED + 1] = normal
+    history[p, STORED + 2] = shear_x
+    history[p, STORED + 3] = bending_x
+    history[p, STORED + 4] = damp
+    history[p, STORED + 5] = drag_x
+    history[p, STORED + 6] = overlap
+    return lost, heat
+
+
+def forget(history, p):
+    """Empty the energy account of a contact that parted.
+
+    Returns
+    -------
+    lost, heat : float
+        Elastic energy that went with it, less what its last normal force gave back over what was left of the overlap,
+        and the same of its dashpot [J].
+    """
+    left = history[p, STORED + 6]
+    lost = history[p, STORED] - 0.5 * history[p, STORED + 1] * left
+    heat = -0.5 * history[p, STORED + 4] * left
+    for column in range(14 if SPACE else 7):
+        history[p, STORED + column] = 0.0
+    return lost, heat
+
+
+def pairs(
+    first, last, base, size, now, pair_a, pair_b, pair_bond, touching, history, table, bond_table, bond_scale,
+    time_step, step, frozen, force, energy, utilisation, record,
+):  # fmt: skip
+    """Forces of pairs `first` to `last` of the chunk that owns `size` particles from `base`.
+
+    now (n, 8 or 12): rows; pair_a, pair_b, pair_bond, touching (p,), history (p, H): the pair list; table,
+    bond_table: parameters by pair of materials; bond_scale (b,); frozen: keep overstressed bonds, and note in
+    utilisation (b, 2) how much they are overstressed; force (size, 3 or 6), energy (4,): added to; record (b, 5 or 6).
+
+    Returns
+    -------
+    contacts, thrust : float
+        Number of pairs that carry force and the sum of their normal forces [N]; pairs across chunks count half.
+    """
+    contacts = 0.0
+    thrust = 0.0
+    for p in range(first, last):
+        a = int(pair_a[p])
+        b = int(pair_b[p])
+        dx = now[b, 0] - now[a, 0]
+        dy = now[b, 1] - now[a, 1]
+        square = dx * dx + dy * dy
+        dz = 0.0
+        if SPACE:
+            dz = now[b, 2] - now[a, 2]
+            square += dz * dz
+        radius_a = now[a, RADIUS]
+        radius_b = now[b, RADIUS]
+        zero = radius_a + radius_b
+        number = 0
+        if BONDS:
+            zero += history[p, OFFSET]
+            number = int(pair_bond[p])
+        row = 0 if ONE_MATERIAL else int(now[a, MATERIAL]) * MATERIALS + int(now[b, MATERIAL])
+        touched = touching[p] != 0
+        touch = square < zero * zero
+        if REACH and touched:
+            limit = zero + contact_reach(contact_parameters(table, row), radius_a, radius_b)
+            touch = square < limit * limit
+        mine = base <= a < base + size
+        both = mine and base <= b < base + size
+        if touch or number > 0:
+            distance = math.sqrt(square)
+            inverse = 1.0 / distance
+            nx = dx * inverse
+            ny = dy * inverse
+            nz = dz * inverse
+            overlap = zero - distance
+            arm_a = 0.5 * (distance + radius_a - radius_b)
+            arm_b = distance - arm_a
+            mass_a = now[a, MASS]
+            mass_b = now[b, MASS]
+            dvx = now[b, VELOCITY] - now[a, VELOCITY]
+            dvy = now[b, VELOCITY + 1] - now[a, VELOCITY + 1]
+            turn_x = 0.0
+            turn_y = 0.0
+            turn_z = 0.0
+            spin = 0.0
+            slip_y = 0.0
+            slip_z = 0.0
+            twist = 0.0
+            bend_y = 0.0
+            bend_z = 0.0
+            if SPACE:
+                dvz = now[b, VELOCITY + 2] - now[a, VELOCITY + 2]
+                along = dvx * nx + dvy * ny + dvz * nz
+                approach = -along * time_step
+                # the change of n over half a step and the mean spin about n turn the contact's frame
+                turn_x = (dvx - along * nx) * inverse * (0.5 * time_step)
+                turn_y = (dvy - along * ny) * inverse * (0.5 * time_step)
+                turn_z = (dvz - along * nz) * inverse * (0.5 * time_step)
+                ax = now[a, SPIN]
+                ay = now[a, SPIN + 1]
+                az = now[a, SPIN + 2]
+                bx = now[b, SPIN]
+                by = now[b, SPIN + 1]
+                bz = now[b, SPIN + 2]
+                spin = 0.5 * time_step * ((ax + bx) * nx + (ay + by) * ny + (az + bz) * nz)
+                wx = arm_a * ax + arm_b * bx
+                wy = arm_a * ay + arm_b * by
+                wz = arm_a * az + arm_b * bz
+                slip_x = (dvx - along * nx - (wy * nz - wz * ny)) * time_step
+                slip_y = (dvy - along * ny - (wz * nx - wx * nz)) * time_step
+                slip_z = (dvz - along * nz - (wx * ny - wy * nx)) * time_step
+                twist = ((bx - ax) * nx + (by - ay) * ny + (bz - az) * nz) * time_step
+                bend_x = (bx - ax) * time_step - twist * nx
+                bend_y = (by - ay) * time_step - twist * ny
+                bend_z = (bz - az) * time_step - twist * nz
+            else:
+                approach = -(dvx * nx + dvy * ny) * time_step
+                slip_x = (dvy * nx - dvx * ny - arm_a * now[a, SPIN] - arm_b * now[b, SPIN]) * time_step
+                bend_x = (now[b, SPIN] - now[a, SPIN]) * time_step
+            normal = 0.0
+            shear_x = 0.0
+            shear_y = 0.0
+            shear_z = 0.0
+            twisting = 0.0
+            bending_x = 0.0
+            bending_y = 0.0
+            bending_z = 0.0
+            damp = 0.0
+            drag_x = 0.0
+            drag_y = 0.0
+            drag_z = 0.0
+            stored = 0.0
+            broken = 0
+            bonded = number
+            left = 1.0
+            held = transport_contact(load_contact(history, p), nx, ny, nz, turn_x, turn_y, turn_z, spin)
+            if BONDS and number > 0:
+                strength = bond_parameters(bond_table, row)
+                kept = transport_bond(load_bond(history, p), nx, ny, nz, turn_x, turn_y, turn_z, spin)
+                (
+                    normal, shear_x, shear_y, shear_z, twisting, bending_x, bending_y, bending_z,
+                    kept, tension, cut,
+                ) = bond(
+                    strength, overlap, approach, slip_x, slip_y, slip_z, twist, bend_x, bend_y, bend_z,
+                    radius_a, radius_b, distance, mass_a, mass_b, time_step, bond_scale[number - 1], kept,
+                )  # fmt: skip
+                store_bond(history, p, kept)
+                if frozen:
+                    if mine:
+                        utilisation[number - 1, 0] = tension
+                        utilisation[number - 1, 1] = cut
+                elif tension >= 1.0 or cut >= 1.0:
+                    broken = 1 if tension >= cut else 2
+                    number = 0
+                    pair_bond[p] = 0
+                    if REPLACES:
+                        # what the bond carried in shear is handed over; it has taken this step's slip already
+                        held = with_shear(held, shear_x, shear_y, shear_z)
+                        left = 0.0
+                    normal = 0.0
+                    shear_x = 0.0
+                    shear_y = 0.0
+                    shear_z = 0.0
+                    twisting = 0.0
+                    bending_x = 0.0
+                    bending_y = 0.0
+                    bending_z = 0.0
+                if number > 0:
+                    if VISCOUS_BOND:
+                        damp, drag_x, drag_y, drag_z = bond_viscous(
+                            strength, overlap, approach, slip_x, slip_y, slip_z, radius_a, radius_b, distance,
+                            mass_a, mass_b, time_step,
+                        )  # fmt: skip
+                    if ENERGY:
+                        stored = bond_energy(strength, overlap, radius_a, radius_b, distance, kept)
+            if touch and not (REPLACES and number > 0):
+                parameters = contact_parameters(table, row)
+                step_in = approach if touched or bonded > 0 else overlap
+                (
+                    normal_c, shear_cx, shear_cy, shear_cz, twisting_c, bending_cx, bending_cy, bending_cz, held,
+                ) = contact(
+                    parameters, overlap, step_in, left * slip_x, left * slip_y, left * slip_z, twist, bend_x, bend_y,
+                    bend_z, radius_a, radius_b, distance, mass_a, mass_b, time_step, held,
+                )  # fmt: skip
+                store_contact(history, p, held)
+                touching[p] = 1
+                normal += normal_c
+                shear_x += shear_cx
+                shear_y += shear_cy
+                shear_z += shear_cz
+                twisting += twisting_c
+                bending_x += bending_cx
+                bending_y += bending_cy
+                bending_z += bending_cz
+                if VISCOUS_CONTACT:
+                    damp_c, drag_cx, drag_cy, drag_cz = contact_viscous(
+                        parameters, overlap, approach, slip_x, slip_y, slip_z, radius_a, radius_b, distance,
+                        mass_a, mass_b, time_step,
+                    )  # fmt: skip
+                    damp += damp_c
+                    drag_x += drag_cx
+                    drag_y += drag_cy
+                    drag_z += drag_cz
+                if ENERGY:
+                    stored += contact_energy(parameters, overlap, radius_a, radius_b, distance, held)
+            elif touched:
+                touching[p] = 0
+                store_contact(history, p, no_contact())
+            if ENERGY:
+                lost, heat = account(
+                    history, p, not touched and bonded == 0, stored, approach, slip_x, slip_y, slip_z, twist,
+                    bend_x, bend_y, bend_z, overlap, normal, shear_x, shear_y, shear_z, twisting, bending_x,
+                    bending_y, bending_z, damp, drag_x, drag_y, drag_z,
+                )  # fmt: skip
+                share = 1.0 if both else 0.5
+                energy[ELASTIC] += share * stored
+                energy[VISCOUS] += share * heat
+                if broken > 0:
+                    energy[BROKEN] += share * lost
+                    if mine:
+                        record[bonded - 1, RELEASED] = lost
+                else:
+                    energy[FRICTION] += share * lost
+            if BONDS and broken > 0 and mine:
+                record[bonded - 1, STATE] = broken
+                record[bonded - 1, STEP] = step
+                record[bonded - 1, PLACE] = now[a, 0] + arm_a * nx
+                record[bonded - 1, PLACE + 1] = now[a, 1] + arm_a * ny
+                if SPACE:
+                    record[bonded - 1, PLACE + 2] = now[a, 2] + arm_a * nz
+            normal += damp
+            shear_x += drag_x
+            if SPACE:
+                shear_y += drag_y
+                shear_z += drag_z
+                fx = shear_x - normal * nx
+                fy = shear_y - normal * ny
+                fz = shear_z - normal * nz
+                tx = ny * shear_z - nz * shear_y
+                ty = nz * shear_x - nx * shear_z
+                tz = nx * shear_y - ny * shear_x
+                mx = bending_x + twisting * nx if MOMENT else 0.0
+                my = bending_y + twisting * ny if MOMENT else 0.0
+                mz = bending_z + twisting * nz if MOMENT else 0.0
+                if mine:
+                    force[a - base, 0] += fx
+                    force[a - base, 1] += fy
+                    force[a - base, 2] += fz
+                    force[a - base, 3] += arm_a * tx + mx
+                    force[a - base, 4] += arm_a * ty + my
+                    force[a - base, 5] += arm_a * tz + mz
+                if both or not mine:
+                    force[b - base, 0] -= fx
+                    force[b - base, 1] -= fy
+                    force[b - base, 2] -= fz
+                    force[b - base, 3] += arm_b * tx - mx
+                    force[b - base, 4] += arm_b * ty - my
+                    force[b - base, 5] += arm_b * tz - mz
+            else:
+                fx = -normal * nx - shear_x * ny
+                fy = -normal * ny + shear_x * nx
+                mz = bending_x if MOMENT else 0.0
+                if mine:
+                    force[a - base, 0] += fx
+                    force[a - base, 1] += fy
+                    force[a - base, 2] += arm_a * shear_x + mz
+                if both or not mine:
+                    force[b - base, 0] -= fx
+                    force[b - base, 1] -= fy
+                    force[b - base, 2] += arm_b * shear_x - mz
+            weight = 1.0 if both else 0.5
+            contacts += weight
+            thrust += weight * abs(normal)
+        elif touched:
+            touching[p] = 0
+            store_contact(history, p, no_contact())
+            if ENERGY:
+                share = 1.0 if both else 0.5
+                lost, heat = forget(history, p)
+                energy[FRICTION] += share * lost
+                energy[VISCOUS] += share * heat
+            if BONDS and history[p, OFFSET] > 0.0:
+                # apart: from now on the pair touches where its surfaces do
+                history[p, OFFSET] = 0.0
+    return contacts, thrust

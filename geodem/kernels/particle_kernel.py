@@ -1,0 +1,186 @@
+"""One kernel a scene: the loops, the laws and the adapters between them, with what the scene lacks left out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from types import ModuleType
+from typing import Any
+
+from .._jit import compile_kernel
+from ..laws import BOND_LAWS, CONTACT_LAWS
+from . import blocks, motion, pairs, steps, wall_geometry, wall_motion, walls
+from .adapters import (
+    HistoryLayout,
+    asked_names,
+    bond_adapters,
+    contact_adapters,
+    history_layout,
+    law_constants,
+    module_constants,
+    no_bond_adapters,
+    source,
+    wall_adapters,
+)
+
+
+@dataclass(frozen=True)
+class Features:
+    """What a scene has; everything else is not compiled in.
+
+    Attributes
+    ----------
+    dimension : int
+    contact_law : str
+    bond_law : str or None
+    materials : int
+    shear : bool
+        Some contact has friction, so that shear is carried and kept.
+    contact_viscous, bond_viscous : bool
+        Some viscosity is not zero.
+    rotation : bool
+        Some particle may turn.
+    orientation : bool
+        Angles or quaternions are kept.
+    gravity, applied, held, anchors, walls : bool
+    walls_turn : bool
+    local_damping, global_damping : bool
+    relax : bool
+        Mass-scaled adaptive relaxation instead of true motion.
+    energy : bool
+        Energy account.
+    sleep : bool
+        Chunks at rest are skipped.
+    blocked : bool
+        Vectorised loop over blocks of pairs that touch (3D).
+    """
+
+    dimension: int
+    contact_law: str
+    bond_law: str | None = None
+    materials: int = 1
+    shear: bool = True
+    contact_viscous: bool = False
+    bond_viscous: bool = False
+    rotation: bool = True
+    orientation: bool = False
+    gravity: bool = True
+    applied: bool = False
+    held: bool = False
+    anchors: bool = False
+    walls: bool = False
+    walls_turn: bool = False
+    local_damping: bool = False
+    global_damping: bool = False
+    relax: bool = False
+    energy: bool = False
+    sleep: bool = False
+    blocked: bool = False
+
+    def layout(self) -> HistoryLayout:
+        """Columns of the history of pairs."""
+        contact, bond = self.laws()
+        return history_layout(contact, bond, dimension=self.dimension, energy=self.energy, shear=self.shear)
+
+    def wall_layout(self) -> HistoryLayout:
+        """Columns of the history of contacts with walls."""
+        contact, _ = self.laws()
+        return history_layout(contact, None, dimension=self.dimension, energy=self.energy)
+
+    def laws(self) -> tuple[ModuleType, ModuleType | None]:
+        """Modules of the laws."""
+        return CONTACT_LAWS[self.contact_law], None if self.bond_law is None else BOND_LAWS[self.bond_law]
+
+    def relaxing(self) -> Features:
+        """The same scene for the static relaxation: no real time, hence nothing that damps it."""
+        return replace(
+            self, relax=True, global_damping=True, local_damping=False, contact_viscous=False, bond_viscous=False,
+            energy=False, sleep=False,
+        )  # fmt: skip
+
+
+def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType:
+    """Module with ``advance`` for a scene with these features; see `geodem.kernels.steps.advance`."""
+    contact, bond = features.laws()
+    layout = features.layout()
+    blocked = features.blocked and features.dimension == 3 and not features.energy
+    law_functions, adapters = contact_adapters(
+        contact, name="contact", dimension=features.dimension, layout=layout, viscous=features.contact_viscous
+    )
+    if bond is None:
+        adapters += no_bond_adapters()
+    else:
+        functions, more = bond_adapters(
+            bond, dimension=features.dimension, layout=layout, viscous=features.bond_viscous
+        )
+        law_functions += functions
+        adapters += more
+    functions: list[Callable[..., Any]] = []
+    if features.walls:
+        law_texts, more = wall_adapters(
+            contact, dimension=features.dimension, layout=features.wall_layout(), viscous=features.contact_viscous
+        )
+        law_functions += law_texts
+        adapters += more
+        functions += [*walls.FUNCTIONS, *wall_motion.MOTION_FUNCTIONS]
+    else:
+        adapters += ["wall_forces = None", "gather_wall_forces = None", "move_walls = None"]
+    if blocked:
+        adapters += [source(f) for f in blocks.INLINED]
+        functions += blocks.FUNCTIONS
+    else:
+        functions += [pairs.account, pairs.forget, pairs.pairs]
+    functions += [motion.turn, motion.move, steps.step_chunk, steps.advance]
+    return compile_kernel(
+        functions,
+        _constants(features, contact, bond),
+        parallel=parallel,
+        texts=[*law_functions, *adapters],
+        finite=True,
+    )
+
+
+def _constants(features: Features, contact: ModuleType, bond: ModuleType | None) -> dict[str, object]:
+    layout = features.layout()
+    space = features.dimension == 3
+    asked = asked_names(contact, "force") | (asked_names(contact, "viscous") if features.contact_viscous else set())
+    if bond is not None:
+        asked |= asked_names(bond, "force") | (asked_names(bond, "viscous") if features.bond_viscous else set())
+    return {
+        **law_constants([contact] if bond is None else [contact, bond]),
+        **module_constants(pairs, motion, steps, wall_geometry, blocks),
+        "SPHERES": space,
+        "SPACE": space,
+        "BONDS": bond is not None,
+        "REPLACES": bond is not None and bond.REPLACES_CONTACT,
+        "REACH": hasattr(contact, "reach"),
+        "ONE_MATERIAL": features.materials == 1,
+        "MATERIALS": features.materials,
+        "MOMENT": contact.MOMENT or (bond is not None and bond.MOMENT),
+        "ENERGY": features.energy,
+        "VISCOUS_CONTACT": features.contact_viscous,
+        "VISCOUS_BOND": features.bond_viscous,
+        "OFFSET": layout.offset or 0,
+        "STORED": layout.stored or 0,
+        "WALL_STORED": features.wall_layout().stored or 0,
+        "ASKS_RADII": bool(asked & {"radius_a", "radius_b"}),
+        "ASKS_MASS": bool(asked & {"mass_a", "mass_b"}),
+        "ASKS_APPROACH": "approach" in asked,
+        "HEIGHT": blocks.HISTORY + max(len(layout.contact), len(layout.bond)),
+        "RADIUS": 3 if space else 2,
+        "MATERIAL": 11 if space else 3,
+        "SPIN": 8 if space else 6,
+        "FREEDOMS": 6 if space else 3,
+        "ROTATION": features.rotation,
+        "ORIENTATION": features.orientation and features.rotation,
+        "GRAVITY": features.gravity,
+        "APPLIED": features.applied,
+        "HELD": features.held,
+        "ANCHORS": features.anchors,
+        "WALLS": features.walls,
+        "WALLS_TURN": features.walls_turn,
+        "LOCAL": features.local_damping,
+        "GLOBAL": features.global_damping,
+        "RELAX": features.relax,
+        "SLEEP": features.sleep,
+    }

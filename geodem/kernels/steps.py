@@ -1,0 +1,143 @@
+"""The steps: every chunk's forces and motion in one parallel region a step, then what must be done by one thread.
+
+Like `geodem.kernels.pairs`, these functions are compiled in a generated module.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .motion import (
+    BROKEN,
+    CONTACTS,
+    ELASTIC,
+    FASTEST,
+    FRICTION,
+    INERTIA,
+    SOFTENING,
+    THRUST,
+    VISCOUS,
+    move,
+)
+from .pairs import pairs
+
+prange = range
+wall_forces: Any = None  # of the scene's dimension
+gather_wall_forces: Any = None
+move_walls: Any = None
+
+WALLS = True
+RELAX = True
+ENERGY = True
+SLEEP = True
+FREEDOMS = 6
+
+
+def step_chunk(
+    chunk, chunk_size, now, following, pair_start, pair_a, pair_b, pair_bond, touching, history,
+    table, bond_table, bond_scale, inverse_mass, inverse_inertia, gravity, applied, held, anchor_of, anchors, angle,
+    wall_start, wall_particle, wall_primitive, wall_touching, wall_history, wall_normal, wall_geometry, wall_feature,
+    shape, kind, body, vertex, bodies, wall_table, wall_sums,
+    time_step, step, frozen, local_damping, global_damping, old_force, utilisation, record, sums, output, keep_force,
+):  # fmt: skip
+    """One step of one chunk: forces of its pairs and walls, then its motion."""
+    base = chunk * chunk_size
+    size = min(chunk_size, len(now) - base)
+    # the last row is for what belongs to other chunks' particles
+    force = np.zeros((chunk_size + 1, FREEDOMS))
+    energy = np.zeros(4)
+    contacts, thrust = pairs(
+        pair_start[chunk], pair_start[chunk + 1], base, size, now, pair_a, pair_b, pair_bond, touching, history,
+        table, bond_table, bond_scale, time_step, step, frozen, force, energy, utilisation, record,
+    )  # fmt: skip
+    if WALLS:
+        wall_contacts, wall_thrust = wall_forces(
+            now, base, wall_start[chunk], wall_start[chunk + 1], wall_particle, wall_primitive, wall_touching,
+            wall_history, wall_normal, wall_geometry, wall_feature, shape, kind, body, vertex, bodies, wall_table,
+            time_step, force, energy, wall_sums[chunk],
+        )  # fmt: skip
+        contacts += wall_contacts
+        thrust += wall_thrust
+    sums[CONTACTS] = contacts
+    sums[THRUST] = thrust
+    if ENERGY:
+        sums[FRICTION] += energy[0]
+        sums[VISCOUS] += energy[1]
+        sums[BROKEN] += energy[2]
+        sums[ELASTIC] = energy[3]
+    move(
+        base, size, now, following, force, inverse_mass, inverse_inertia, gravity, applied, held, anchor_of, anchors,
+        angle, time_step, local_damping, global_damping, old_force, sums,
+    )  # fmt: skip
+    if keep_force:
+        for k in range(size):
+            for axis in range(FREEDOMS):
+                output[base + k, axis] = force[k, axis]
+
+
+def advance(
+    steps, rows, phase, chunk_size, pair_start, pair_a, pair_b, pair_bond, touching, history,
+    table, bond_table, bond_scale, inverse_mass, inverse_inertia, gravity, applied, held, anchor_of, anchors, angle,
+    wall_start, wall_particle, wall_primitive, wall_touching, wall_history, wall_normal, wall_geometry, wall_feature,
+    shape, kind, body, vertex, bodies, wall_table, wall_sums,
+    time_step, first_step, frozen, local_damping, global_damping, damping_ratio, old_force, utilisation, record, sums,
+    output, allowance, asleep, quiet, neighbour_start, neighbour, sleep_speed, sleep_steps,
+):  # fmt: skip
+    """Up to `steps` steps; fewer where particles may have moved farther than the pair list allows.
+
+    rows (2, n, 8 or 12), phase: which of the two holds the present; sums (chunks, 16); allowance [m]: how far particles
+    and walls may still move together; global_damping, damping_ratio: where RELAX, the damping of the first step and its
+    share of the critical one of the lowest frequency in motion.
+    Sleep: asleep (chunks,) uint8, quiet (chunks,) steps that a chunk and all around it have been slower than
+    sleep_speed; neighbour_start, neighbour: the chunks around each one.
+
+    Returns
+    -------
+    done : int
+        Steps taken.
+    moved : float
+        Bound of the way that any particle has gone, of both of a pair together [m].
+    global_damping : float
+        Of the last step.
+    """
+    chunks = len(sums)
+    moved = 0.0
+    for done in range(steps):
+        present = (phase + done) & 1
+        now = rows[present]
+        following = rows[1 - present]
+        keep_force = done == steps - 1
+        for chunk in prange(chunks):
+            if SLEEP and asleep[chunk] != 0:
+                continue
+            step_chunk(
+                chunk, chunk_size, now, following, pair_start, pair_a, pair_b, pair_bond, touching, history,
+                table, bond_table, bond_scale, inverse_mass, inverse_inertia, gravity, applied, held, anchor_of,
+                anchors, angle, wall_start, wall_particle, wall_primitive, wall_touching, wall_history, wall_normal,
+                wall_geometry, wall_feature, shape, kind, body, vertex, bodies, wall_table, wall_sums,
+                time_step, first_step + done, frozen, local_damping, global_damping, old_force, utilisation, record,
+                sums[chunk], output, keep_force,
+            )  # fmt: skip
+        fastest = 0.0
+        for chunk in range(chunks):
+            fastest = max(fastest, sums[chunk, FASTEST])
+        fastest *= 2.0
+        if WALLS:
+            gather_wall_forces(wall_start, wall_sums, bodies, time_step)
+            fastest += move_walls(bodies, time_step)
+        moved += fastest * time_step
+        if RELAX:
+            softening = 0.0
+            inertia = 0.0
+            for chunk in range(chunks):
+                softening += sums[chunk, SOFTENING]
+                inertia += sums[chunk, INERTIA]
+            if inertia > 0.0:
+                square = min(max(softening / inertia, 0.0), 1.0)
+                global_damping = 2.0 * damping_ratio * np.sqrt(square)
+        # not "moved > allowance": a motion that is no number must stop the run too
+        if not (moved <= allowance):
+            return done + 1, moved, global_damping
+    return steps, moved, global_damping
