@@ -330,7 +330,7 @@ def bond_block(block, table, row, time_step):
 
 
 def break_bonds(
-    block, filled, place, now, pair_a, pair_bond, touching, history, base, size, step, frozen, utilisation, record
+    block, filled, place, now, pair_a, pair_bond, touching, history, base, size, step, breaking, utilisation, record
 ):  # fmt: skip
     """Break the overstressed bonds of a block, or note how much they are overstressed; no force is left in the lane."""
     for lane in range(filled):
@@ -340,11 +340,10 @@ def break_bonds(
         number = int(pair_bond[p])
         tension = block[TENSION, lane]
         cut = block[CUT, lane]
-        if frozen:
-            if mine:
-                utilisation[number - 1, 0] = tension
-                utilisation[number - 1, 1] = cut
-        elif tension >= 1.0 or cut >= 1.0:
+        if breaking != 1.0 and mine:
+            utilisation[number - 1, 0] = tension
+            utilisation[number - 1, 1] = cut
+        if tension >= breaking or cut >= breaking:
             pair_bond[p] = 0
             if REPLACES:
                 held = with_shear(
@@ -368,7 +367,7 @@ def break_bonds(
 
 def pairs(
     first, last, base, size, now, pair_a, pair_b, pair_bond, touching, history, table, bond_table, bond_scale,
-    time_step, step, frozen, force, energy, utilisation, record,
+    time_step, step, breaking, force, energy, utilisation, record,
 ):  # fmt: skip
     """As `geodem.kernels.pairs.pairs`, without the energy account; force has a row more than the chunk particles."""
     # rows a little longer than their lanes, so that a lane's rows do not fall into the same few lines of the cache
@@ -410,7 +409,7 @@ def pairs(
             for lane in range(filled):
                 scatter_bond(block, lane, history, place[lane])
             break_bonds(
-                block, filled, place, now, pair_a, pair_bond, touching, history, base, size, step, frozen,
+                block, filled, place, now, pair_a, pair_bond, touching, history, base, size, step, breaking,
                 utilisation, record,
             )  # fmt: skip
             scatter(block, filled, own_a, own_b, force)

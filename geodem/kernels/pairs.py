@@ -132,13 +132,13 @@ def forget(history, p):
 
 def pairs(
     first, last, base, size, now, pair_a, pair_b, pair_bond, touching, history, table, bond_table, bond_scale,
-    time_step, step, frozen, force, energy, utilisation, record,
+    time_step, step, breaking, force, energy, utilisation, record,
 ):  # fmt: skip
     """Forces of pairs `first` to `last` of the chunk that owns `size` particles from `base`.
 
     now (n, 8 or 12): rows; pair_a, pair_b, pair_bond, touching (p,), history (p, H): the pair list; table,
-    bond_table: parameters by pair of materials; bond_scale (b,); frozen: keep overstressed bonds, and note in
-    utilisation (b, 2) how much they are overstressed; force (size, 3 or 6), energy (4,): added to; record (b, 5 or 6).
+    bond_table: parameters by pair of materials; bond_scale (b,); breaking: utilisation at which bonds break,
+    1 but in statics, where utilisation (b, 2) is noted; force (size, 3 or 6), energy (4,): added to; record (b, 5 or 6).
 
     Returns
     -------
@@ -251,11 +251,10 @@ def pairs(
                     radius_a, radius_b, distance, mass_a, mass_b, time_step, bond_scale[number - 1], kept,
                 )  # fmt: skip
                 store_bond(history, p, kept)
-                if frozen:
-                    if mine:
-                        utilisation[number - 1, 0] = tension
-                        utilisation[number - 1, 1] = cut
-                elif tension >= 1.0 or cut >= 1.0:
+                if breaking != 1.0 and mine:
+                    utilisation[number - 1, 0] = tension
+                    utilisation[number - 1, 1] = cut
+                if tension >= breaking or cut >= breaking:
                     broken = 1 if tension >= cut else 2
                     number = 0
                     pair_bond[p] = 0

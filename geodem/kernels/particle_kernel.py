@@ -82,11 +82,6 @@ class Features:
         contact, bond = self.laws()
         return history_layout(contact, bond, dimension=self.dimension, energy=self.energy, shear=self.shear)
 
-    def wall_layout(self) -> HistoryLayout:
-        """Columns of the history of contacts with walls."""
-        contact, _ = self.laws()
-        return history_layout(contact, None, dimension=self.dimension, energy=self.energy)
-
     def laws(self) -> tuple[ModuleType, ModuleType | None]:
         """Modules of the laws."""
         return CONTACT_LAWS[self.contact_law], None if self.bond_law is None else BOND_LAWS[self.bond_law]
@@ -115,24 +110,26 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
         )
         law_functions += functions
         adapters += more
-    functions: list[Callable[..., Any]] = []
+    loops: list[Callable[..., Any]] = []
+    if not blocked:
+        loops += [pairs.account, pairs.forget, pairs.pairs]
     if features.walls:
         law_texts, more = wall_adapters(
-            contact, dimension=features.dimension, layout=features.wall_layout(), viscous=features.contact_viscous
+            contact, dimension=features.dimension, layout=layout, viscous=features.contact_viscous
         )
         law_functions += law_texts
         adapters += more
-        functions += [*walls.FUNCTIONS, *wall_motion.MOTION_FUNCTIONS]
+        if blocked:
+            loops += [pairs.account, pairs.forget]
+        loops += [*walls.FUNCTIONS, *wall_motion.MOTION_FUNCTIONS]
     else:
         adapters += ["wall_forces = None", "gather_wall_forces = None", "move_walls = None"]
     if blocked:
         adapters += [source(f) for f in blocks.INLINED]
-        functions += blocks.FUNCTIONS
-    else:
-        functions += [pairs.account, pairs.forget, pairs.pairs]
-    functions += [motion.turn, motion.move, steps.step_chunk, steps.advance]
+        loops += blocks.FUNCTIONS
+    loops += [motion.turn, motion.move, steps.step_chunk, steps.advance]
     return compile_kernel(
-        functions,
+        loops,
         _constants(features, contact, bond),
         parallel=parallel,
         texts=[*law_functions, *adapters],
@@ -162,7 +159,6 @@ def _constants(features: Features, contact: ModuleType, bond: ModuleType | None)
         "VISCOUS_BOND": features.bond_viscous,
         "OFFSET": layout.offset or 0,
         "STORED": layout.stored or 0,
-        "WALL_STORED": features.wall_layout().stored or 0,
         "ASKS_RADII": bool(asked & {"radius_a", "radius_b"}),
         "ASKS_MASS": bool(asked & {"mass_a", "mass_b"}),
         "ASKS_APPROACH": "approach" in asked,

@@ -40,7 +40,7 @@ def step_chunk(
     table, bond_table, bond_scale, inverse_mass, inverse_inertia, gravity, applied, held, anchor_of, anchors, angle,
     wall_start, wall_particle, wall_primitive, wall_touching, wall_history, wall_normal, wall_geometry, wall_feature,
     shape, kind, body, vertex, bodies, wall_table, wall_sums,
-    time_step, step, frozen, local_damping, global_damping, old_force, utilisation, record, sums, output, keep_force,
+    time_step, step, breaking, local_damping, global_damping, old_force, utilisation, record, sums, output, keep_force,
 ):  # fmt: skip
     """One step of one chunk: forces of its pairs and walls, then its motion."""
     base = chunk * chunk_size
@@ -50,7 +50,7 @@ def step_chunk(
     energy = np.zeros(4)
     contacts, thrust = pairs(
         pair_start[chunk], pair_start[chunk + 1], base, size, now, pair_a, pair_b, pair_bond, touching, history,
-        table, bond_table, bond_scale, time_step, step, frozen, force, energy, utilisation, record,
+        table, bond_table, bond_scale, time_step, step, breaking, force, energy, utilisation, record,
     )  # fmt: skip
     if WALLS:
         wall_contacts, wall_thrust = wall_forces(
@@ -82,7 +82,7 @@ def advance(
     table, bond_table, bond_scale, inverse_mass, inverse_inertia, gravity, applied, held, anchor_of, anchors, angle,
     wall_start, wall_particle, wall_primitive, wall_touching, wall_history, wall_normal, wall_geometry, wall_feature,
     shape, kind, body, vertex, bodies, wall_table, wall_sums,
-    time_step, first_step, frozen, local_damping, global_damping, damping_ratio, old_force, utilisation, record, sums,
+    time_step, first_step, breaking, local_damping, global_damping, damping_ratio, old_force, utilisation, record, sums,
     output, allowance, asleep, quiet, neighbour_start, neighbour, sleep_speed, sleep_steps,
 ):  # fmt: skip
     """Up to `steps` steps; fewer where particles may have moved farther than the pair list allows.
@@ -97,13 +97,14 @@ def advance(
     -------
     done : int
         Steps taken.
-    moved : float
-        Bound of the way that any particle has gone, of both of a pair together [m].
+    moved, carried : float
+        Bounds of the ways that both particles of a pair, and any wall, have gone [m].
     global_damping : float
         Of the last step.
     """
     chunks = len(sums)
     moved = 0.0
+    carried = 0.0
     for done in range(steps):
         present = (phase + done) & 1
         now = rows[present]
@@ -117,17 +118,16 @@ def advance(
                 table, bond_table, bond_scale, inverse_mass, inverse_inertia, gravity, applied, held, anchor_of,
                 anchors, angle, wall_start, wall_particle, wall_primitive, wall_touching, wall_history, wall_normal,
                 wall_geometry, wall_feature, shape, kind, body, vertex, bodies, wall_table, wall_sums,
-                time_step, first_step + done, frozen, local_damping, global_damping, old_force, utilisation, record,
+                time_step, first_step + done, breaking, local_damping, global_damping, old_force, utilisation, record,
                 sums[chunk], output, keep_force,
             )  # fmt: skip
         fastest = 0.0
         for chunk in range(chunks):
             fastest = max(fastest, sums[chunk, FASTEST])
-        fastest *= 2.0
+        moved += 2.0 * fastest * time_step
         if WALLS:
             gather_wall_forces(wall_start, wall_sums, bodies, time_step)
-            fastest += move_walls(bodies, time_step)
-        moved += fastest * time_step
+            carried += move_walls(bodies, time_step) * time_step
         if RELAX:
             softening = 0.0
             inertia = 0.0
@@ -138,6 +138,6 @@ def advance(
                 square = min(max(softening / inertia, 0.0), 1.0)
                 global_damping = 2.0 * damping_ratio * np.sqrt(square)
         # not "moved > allowance": a motion that is no number must stop the run too
-        if not (moved <= allowance):
-            return done + 1, moved, global_damping
-    return steps, moved, global_damping
+        if not (moved + carried <= allowance):
+            return done + 1, moved, carried, global_damping
+    return steps, moved, carried, global_damping
