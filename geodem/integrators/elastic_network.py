@@ -2,8 +2,8 @@
 
 Up to `DIRECT_LIMIT` freedoms by sparse factorisation (SuperLU, symmetric mode), beyond by conjugate gradients with
 two levels: groups of neighbouring, linked particles move as rigid bodies on the coarse one. That takes about 30
-iterations whatever the size. Measured on one core: 0.08 / 0.5 / 2.1 s for 10,000 / 50,000 / 200,000 bonded discs
-and 0.3 / 1.1 / 2.5 s for 8,000 / 27,000 / 64,000 spheres; the factorisation of 50,000 discs takes 1.7 s, that of 2,700
+iterations whatever the size. Measured on one core: 0.1 / 0.5 / 2.6 s for 10,000 / 50,000 / 200,000 bonded discs
+and 0.3 / 1.3 / 3.9 s for 8,000 / 27,000 / 64,000 spheres; the factorisation of 50,000 discs takes 1.7 s, that of 2,700
 spheres 1 s.
 
 Reference: Vanek, Mandel & Brezina 1996, Algebraic multigrid by smoothed aggregation, Computing 56:179 (groups and
