@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from geodem.assembly import DISC_INERTIA, SPHERE_INERTIA, Anchors, Assembly, Wall
+from geodem.boundaries.checks import wall_errors
 from geodem.builders import assembly_checks as checks
 from geodem.builders.assembly_checks import as_numbers, bad_entries, chosen, raise_all
 from geodem.builders.bond_scatter import LognormalScatter
@@ -414,7 +415,8 @@ class AssemblyBuilder:
         )
         walls = []
         for wall in self._walls:
-            errors += checks.bad_wall(wall, d, self._positions, self._radii)
+            wrong = wall_errors(wall, d)
+            errors += wrong or checks.behind_planes(wall, self._positions, self._radii)
             try:
                 walls.append(self._materials.against_wall(wall))
             except InputError as error:

@@ -187,46 +187,10 @@ def deep_overlaps(positions: Floats, radii: Floats, excepted: Pairs) -> list[Inp
     ]
 
 
-def bad_wall(wall: Wall, dimension: int, positions: Floats, radii: Floats) -> list[InputError]:
-    """Numbers of a wall that cannot be, and particles behind its planes."""
-    place = f"wall {wall.name!r}"
+def behind_planes(wall: Wall, positions: Floats, radii: Floats) -> list[InputError]:
+    """Particles behind the planes of a wall, or in them by more than `DEEPEST_OVERLAP` of the radius."""
     errors = []
-    for what, values, corners in (
-        ("planes", wall.planes, 2),
-        ("segments", wall.segments, 2),
-        ("triangles", wall.triangles, 3),
-    ):
-        if len(values) and np.shape(values)[1:] != (corners, dimension):
-            shape = f"(k, {corners}, {dimension})"
-            problem = f"{what} of shape {np.shape(values)} do not fit {shape}"
-            errors.append(InputError(place, problem, f"Make the wall for {dimension}D."))
-        elif len(values) and not np.isfinite(values).all():
-            errors.append(InputError(place, f"its {what} are not all finite", "Give finite numbers in m."))
-    if dimension == 2 and len(wall.triangles):
-        errors.append(InputError(place, "triangles bound spheres, not discs", "Make it of segments."))
-    if dimension == 3 and len(wall.segments):
-        errors.append(InputError(place, "segments bound discs, not spheres", "Make it of triangles."))
-    for what, values, size in (
-        ("velocity", wall.velocity, dimension),
-        ("spin", wall.spin, 1 if dimension == 2 else 3),
-        ("centre", wall.centre, dimension),
-    ):
-        if np.shape(values) != (size,) or not np.isfinite(values).all():
-            errors.append(
-                InputError(
-                    f"{place}, {what}", f"these are not {size} finite numbers", "Mend them.", value=values
-                )
-            )
-    if not (len(wall.planes) or len(wall.segments) or len(wall.triangles)):
-        errors.append(
-            InputError(place, "it has no plane, segment or triangle", "Give it one, or leave it out.")
-        )
-    if errors:
-        return errors
     for point, normal in wall.planes:
-        if abs(float(normal @ normal) - 1.0) > 1e-9:
-            errors.append(InputError(place, "the normal is not of length 1", "Divide by it.", value=normal))
-            continue
         depth = 1.0 - (positions - point) @ normal / radii
         behind = np.flatnonzero(depth > DEEPEST_OVERLAP * (1.0 + 1e-9))
         if len(behind):
@@ -235,7 +199,7 @@ def bad_wall(wall: Wall, dimension: int, positions: Floats, radii: Floats) -> li
             count = f"{len(behind)} particles are" if len(behind) > 1 else "a particle is"
             errors.append(
                 InputError(
-                    place,
+                    f"wall {wall.name!r}",
                     f"{count} behind its plane or deep in it; the worst is particle {worst} at ({where}) m",
                     "Move the plane, turn its normal towards the particles, or take them out.",
                 )

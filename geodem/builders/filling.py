@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from geodem.builders.memory import available_bytes
 from geodem.builders.outline import Boundary, Floats, Graph, join, place_along
 from geodem.builders.packing import Inside, cells, insert_at_random, lattice, rows_across
 from geodem.builders.size_field import Layout, SizeField, lay_out
@@ -299,11 +300,5 @@ def too_many(count: int, place: str, value: object, most: int) -> InputError:
 
 def most_particles() -> int:
     """Particles that the free memory holds; 10 million where the system does not tell."""
-    try:
-        with open("/proc/meminfo") as lines:
-            for line in lines:
-                if line.startswith("MemAvailable:"):
-                    return int(line.split()[1]) * 1024 // BYTES_PER_PARTICLE
-    except OSError:
-        pass
-    return 10_000_000
+    free = available_bytes()
+    return 10_000_000 if free is None else free // BYTES_PER_PARTICLE
