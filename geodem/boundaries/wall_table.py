@@ -98,6 +98,20 @@ class WallTable:
             last = columns.BODY_SPIN + 3
             b[last - 1 if self.dimension == 2 else columns.BODY_SPIN : last] = spin
 
+    def stop(self) -> Floats:
+        """Take every body's velocity and spin away but a servo's; returns what `go_on` gives back."""
+        b = self.bodies
+        before = b.copy()
+        driven = b[:, columns.BODY_GAIN] > 0.0
+        for first in (columns.BODY_VELOCITY, columns.BODY_SPIN):
+            b[~driven, first : first + 3] = 0.0
+        return before
+
+    def go_on(self, before: Floats) -> None:
+        """Give the velocities and spins back that `stop` took away."""
+        for first in (columns.BODY_VELOCITY, columns.BODY_SPIN):
+            self.bodies[:, first : first + 3] = before[:, first : first + 3]
+
     def index(self, name: str) -> int:
         """Number of the body of that name; raises InputError for an unknown one."""
         if name not in self.names:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import inspect
 import re
 import textwrap
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from types import FunctionType, ModuleType
 from typing import Any, NamedTuple
 
@@ -106,16 +106,21 @@ def asked_names(law: ModuleType, function: str) -> set[str]:
 
 
 def module_constants(*modules: ModuleType) -> dict[str, object]:
-    """Constants in capital letters of modules that loops are defined in."""
-    return law_constants(modules)
+    """Constants, numbers and truths in capital letters, of modules that loops are defined in.
 
-
-def law_constants(laws: Iterable[ModuleType]) -> dict[str, object]:
-    """Module constants of the laws that their functions may use: numbers and truths in capital letters."""
+    Raises
+    ------
+    ValueError
+        Two modules mean different things by one name.
+    """
     constants: dict[str, object] = {}
-    for law in laws:
-        for name, value in vars(law).items():
+    for module in modules:
+        for name, value in vars(module).items():
             if re.fullmatch(r"[A-Z][A-Z0-9_]*", name) and isinstance(value, bool | int | float):
+                if constants.get(name, value) != value:
+                    raise ValueError(
+                        f"{name} is {constants[name]} elsewhere and {value} in {module.__name__}"
+                    )
                 constants[name] = value
     return constants
 
@@ -129,7 +134,12 @@ def _tuple(values: Sequence[str]) -> str:
 
 
 def _call(
-    law: ModuleType, name: str, prefix: str, fields: Sequence[str], history: Sequence[str], menu: Sequence[str]
+    law: ModuleType,
+    name: str,
+    prefix: str,
+    fields: Sequence[str],
+    history: Sequence[str],
+    menu: Sequence[str],
 ) -> str:
     """Call of a law's function with the arguments that its signature names."""
     places = {field: f"parameters[{k}]" for k, field in enumerate(fields)}
@@ -143,7 +153,9 @@ def _call(
 
 def _store(name: str, history: Sequence[str], first: int) -> list[str]:
     load = _function(
-        f"load_{name}", ["history", "p"], [f"return {_tuple([f'history[p, {first + k}]' for k in range(len(history))])}"]
+        f"load_{name}",
+        ["history", "p"],
+        [f"return {_tuple([f'history[p, {first + k}]' for k in range(len(history))])}"],
     )
     stores = [f"history[p, {first + k}] = values[{k}]" for k in range(len(history))]
     return [load, _function(f"store_{name}", ["history", "p", "values"], stores or ["pass"])]
@@ -170,7 +182,8 @@ def _lane(name: str, history: Sequence[str], first: int) -> list[str]:
 def _transport(name: str, law: ModuleType, history: Sequence[str], dimension: int) -> str:
     """Turn the tangential vectors with the contact's frame (3D), to second order in the step.
 
-    With h half the change of n and w the mean spin about n times the step: s - (s.n)(n - h) + w n x s.
+    With h half the change of n and w the mean spin about n times the step: s' = s - (s.n)(n - h), then
+    (1 - w^2/2) s' + w n x s'.
     """
     arguments = ["values", "nx", "ny", "nz", "turn_x", "turn_y", "turn_z", "spin"]
     lines: list[str] = []
@@ -184,15 +197,20 @@ def _transport(name: str, law: ModuleType, history: Sequence[str], dimension: in
             f"{y} = {result[y]}",
             f"{z} = {result[z]}",
             f"out = {x} * nx + {y} * ny + {z} * nz",
-            f"new_x = {x} - out * (nx - turn_x) + spin * (ny * {z} - nz * {y})",
-            f"new_y = {y} - out * (ny - turn_y) + spin * (nz * {x} - nx * {z})",
-            f"new_z = {z} - out * (nz - turn_z) + spin * (nx * {y} - ny * {x})",
-            f"{x} = new_x",
-            f"{y} = new_y",
-            f"{z} = new_z",
+            f"{x} -= out * (nx - turn_x)",
+            f"{y} -= out * (ny - turn_y)",
+            f"{z} -= out * (nz - turn_z)",
+            "keep = 1.0 - 0.5 * spin * spin",
+            f"turned_x = keep * {x} + spin * (ny * {z} - nz * {y})",
+            f"turned_y = keep * {y} + spin * (nz * {x} - nx * {z})",
+            f"{z} = keep * {z} + spin * (nx * {y} - ny * {x})",
+            f"{x} = turned_x",
+            f"{y} = turned_y",
         ]
         result |= {x: x, y: y, z: z}
-    return _function(f"transport_{name}", arguments, [*lines, f"return {_tuple([result[v] for v in history])}"])
+    return _function(
+        f"transport_{name}", arguments, [*lines, f"return {_tuple([result[v] for v in history])}"]
+    )
 
 
 def _law_adapter(
@@ -226,7 +244,12 @@ def contact_adapters(
         "contact" for pairs, "wall" for walls; functions are called ``contact``, ``load_contact`` and so on.
     """
     menu = (*FORWARD, *SIZES, *BODIES)
-    wanted = ["force", "energy", *(["viscous"] if viscous else []), *(["reach"] if hasattr(law, "reach") else [])]
+    wanted = [
+        "force",
+        "energy",
+        *(["viscous"] if viscous else []),
+        *(["reach"] if hasattr(law, "reach") else []),
+    ]
     prefix = f"{name}_law"
     fields, history = law.PARAMETERS._fields, layout.contact
     adapters = [_parameters_adapter(f"{name}_parameters", law)]
@@ -237,9 +260,15 @@ def contact_adapters(
     adapters.append(_function(f"{name}_viscous", ["parameters", *rates], [f"return {call}"]))
     energy = _call(law, "energy", prefix, fields, history, ("overlap", *SIZES))
     adapters.append(
-        _function(f"{name}_energy", ["parameters", "overlap", "radius_a", "radius_b", "distance", "history"], [f"return {energy}"])
+        _function(
+            f"{name}_energy",
+            ["parameters", "overlap", "radius_a", "radius_b", "distance", "history"],
+            [f"return {energy}"],
+        )
     )
-    reach = _call(law, "reach", prefix, fields, (), ("radius_a", "radius_b")) if hasattr(law, "reach") else "0.0"
+    reach = (
+        _call(law, "reach", prefix, fields, (), ("radius_a", "radius_b")) if hasattr(law, "reach") else "0.0"
+    )
     adapters.append(_function(f"{name}_reach", ["parameters", "radius_a", "radius_b"], [f"return {reach}"]))
     adapters += _store(name, history, 0)
     adapters += _lane(name, history, 0)
@@ -248,7 +277,9 @@ def contact_adapters(
         {"shear_x": "shear_x", "shear_y": "shear_y", "shear_z": "shear_z"}.get(value, f"values[{k}]")
         for k, value in enumerate(history)
     ]
-    adapters.append(_function("with_shear", ["values", *(f"shear_{a}" for a in AXES)], [f"return {_tuple(sheared)}"]))
+    adapters.append(
+        _function("with_shear", ["values", *(f"shear_{a}" for a in AXES)], [f"return {_tuple(sheared)}"])
+    )
     adapters.append(_transport(name, law, history, dimension))
     return law_text(law, wanted, prefix), adapters
 
@@ -261,13 +292,19 @@ def bond_adapters(
     wanted = ["force", "energy", *(["viscous"] if viscous else [])]
     fields, history = law.PARAMETERS._fields, layout.bond
     adapters = [_parameters_adapter("bond_parameters", law)]
-    adapters.append(_law_adapter("bond", law, "bond_law", history, menu, ("tension_utilisation", "shear_utilisation")))
+    adapters.append(
+        _law_adapter("bond", law, "bond_law", history, menu, ("tension_utilisation", "shear_utilisation"))
+    )
     call = _call(law, "viscous", "bond_law", fields, (), menu) if viscous else "0.0, 0.0, 0.0, 0.0"
     rates = ("overlap", "approach", "slip_x", "slip_y", "slip_z", *SIZES, *BODIES)
     adapters.append(_function("bond_viscous", ["parameters", *rates], [f"return {call}"]))
     energy = _call(law, "energy", "bond_law", fields, history, ("overlap", *SIZES))
     adapters.append(
-        _function("bond_energy", ["parameters", "overlap", "radius_a", "radius_b", "distance", "history"], [f"return {energy}"])
+        _function(
+            "bond_energy",
+            ["parameters", "overlap", "radius_a", "radius_b", "distance", "history"],
+            [f"return {energy}"],
+        )
     )
     adapters += _store("bond", history, len(layout.contact))
     adapters += _lane("bond", history, len(layout.contact))
@@ -277,17 +314,25 @@ def bond_adapters(
 
 def no_bond_adapters() -> list[str]:
     """Stand-ins where a scene has no bonds: never called, but named in the loops."""
-    names = ["bond_parameters", "bond", "bond_viscous", "bond_energy", "load_bond", "store_bond", "transport_bond"]
+    names = [
+        "bond_parameters",
+        "bond",
+        "bond_viscous",
+        "bond_energy",
+        "load_bond",
+        "store_bond",
+        "transport_bond",
+    ]
     names += ["load_bond_lane", "store_bond_lane", "gather_bond", "scatter_bond"]
     return [f"{name} = None" for name in names]
-
-
 
 
 def wall_adapters(
     law: ModuleType, *, dimension: int, layout: HistoryLayout, viscous: bool
 ) -> tuple[list[str], list[str]]:
     """Texts of the contact law's functions and of the adapters between them and the loops over walls."""
-    functions, adapters = contact_adapters(law, name="wall", dimension=dimension, layout=layout, viscous=viscous)
+    functions, adapters = contact_adapters(
+        law, name="wall", dimension=dimension, layout=layout, viscous=viscous
+    )
     # who hands a shear force over is a pair
     return functions, [text for text in adapters if not text.startswith("def with_shear")]

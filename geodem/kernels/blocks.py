@@ -12,6 +12,7 @@ Bonds first, contacts after: a bond that breaks hands its shear force over to th
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -150,7 +151,7 @@ def fill_up(block, row, filled):
 
 
 def scatter(block, filled, own_a, own_b, force):
-    """Add the forces of the filled lanes to the chunk's particles; the last row of force takes what is not the chunk's."""
+    """Add the forces of the filled lanes to the chunk's particles; the last row of force takes all others."""
     for lane in range(filled):
         a = own_a[lane]
         b = own_b[lane]
@@ -225,7 +226,20 @@ def lane_geometry(block, lane, time_step):
 
 
 def set_forces(
-    block, lane, distance, nx, ny, nz, normal, shear_x, shear_y, shear_z, twisting, bending_x, bending_y, bending_z
+    block,
+    lane,
+    distance,
+    nx,
+    ny,
+    nz,
+    normal,
+    shear_x,
+    shear_y,
+    shear_z,
+    twisting,
+    bending_x,
+    bending_y,
+    bending_z,
 ):
     """Put the force and moment on a into the lane."""
     block[FORCE, lane] = shear_x - normal * nx
@@ -347,7 +361,10 @@ def break_bonds(
             pair_bond[p] = 0
             if REPLACES:
                 held = with_shear(
-                    load_contact(history, p), block[SHEAR, lane], block[SHEAR + 1, lane], block[SHEAR + 2, lane]
+                    load_contact(history, p),
+                    block[SHEAR, lane],
+                    block[SHEAR + 1, lane],
+                    block[SHEAR + 2, lane],
                 )
                 store_contact(history, p, held)
                 touching[p] = HANDED_OVER
@@ -471,5 +488,5 @@ def pairs(
 
 
 INLINED = (gather, fill_up, lane_geometry, set_forces, scatter, contact_block, bond_block)
-FUNCTIONS = [break_bonds, pairs]
+FUNCTIONS: tuple[Callable[..., Any], ...] = (break_bonds, pairs)
 """Functions to compile, callees first; without bonds those of bonds are never called."""

@@ -40,10 +40,10 @@ KINETIC = 4  # [J]
 SOFTENING = 5  # v.(old force - new force) [N m/s]
 INERTIA = 6  # v.m.v [J]
 ANCHORED = 7  # elastic energy of anchors [J]
-FRICTION = 8  # [J], and so on
-VISCOUS = 9
-BROKEN = 10
-ELASTIC = 11  # of contacts and bonds, last step
+TOTAL_FRICTION = 8  # [J], and so on
+TOTAL_VISCOUS = 9
+TOTAL_BROKEN = 10
+TOTAL_ELASTIC = 11  # of contacts and bonds, last step
 DAMPING = 12
 DRIVEN = 13  # work of held freedoms that move
 GRAVITATION = 14
@@ -118,7 +118,9 @@ def move(
                 drag = 0.0
                 if LOCAL:
                     drag = local_damping * (abs(f) if v > 0.0 else (-abs(f) if v < 0.0 else 0.0))
-                w = (keep * v if GLOBAL else v) + (push if GLOBAL else time_step) * (f - drag) * inverse_mass[i]
+                w = (keep * v if GLOBAL else v) + (push if GLOBAL else time_step) * (f - drag) * inverse_mass[
+                    i
+                ]
                 if ENERGY:
                     mean = 0.5 * (v + w)
                     kinetic += 0.5 * v * w / inverse_mass[i]
@@ -154,7 +156,9 @@ def move(
                     drag = 0.0
                     if LOCAL:
                         drag = local_damping * (abs(f) if v > 0.0 else (-abs(f) if v < 0.0 else 0.0))
-                    w = (keep * v if GLOBAL else v) + (push if GLOBAL else time_step) * (f - drag) * inverse_inertia[i]
+                    w = (keep * v if GLOBAL else v) + (push if GLOBAL else time_step) * (
+                        f - drag
+                    ) * inverse_inertia[i]
                     if ENERGY:
                         mean = 0.5 * (v + w)
                         kinetic += 0.5 * v * w / inverse_inertia[i]
@@ -168,7 +172,14 @@ def move(
                 following[i, SPIN + axis] = w
             if ORIENTATION:
                 if SPACE:
-                    turn(angle, i, following[i, SPIN], following[i, SPIN + 1], following[i, SPIN + 2], time_step)
+                    turn(
+                        angle,
+                        i,
+                        following[i, SPIN],
+                        following[i, SPIN + 1],
+                        following[i, SPIN + 2],
+                        time_step,
+                    )
                 else:
                     angle[i, 0] += following[i, SPIN] * time_step
     sums[FASTEST] = math.sqrt(fastest)

@@ -86,15 +86,23 @@ def account(
     """
     # a contact is born inside the step, when its overlap was zero
     gained = overlap if born else approach
-    work = 0.5 * (normal + history[p, STORED + 1]) * gained + 0.5 * (shear_x + history[p, STORED + 2]) * slip_x
+    work = (
+        0.5 * (normal + history[p, STORED + 1]) * gained + 0.5 * (shear_x + history[p, STORED + 2]) * slip_x
+    )
     work += 0.5 * (bending_x + history[p, STORED + 3]) * bend_x
     heat = 0.5 * (damp + history[p, STORED + 4]) * gained + 0.5 * (drag_x + history[p, STORED + 5]) * slip_x
     if SPACE:
-        work += 0.5 * (shear_y + history[p, STORED + 7]) * slip_y + 0.5 * (shear_z + history[p, STORED + 8]) * slip_z
+        work += (
+            0.5 * (shear_y + history[p, STORED + 7]) * slip_y
+            + 0.5 * (shear_z + history[p, STORED + 8]) * slip_z
+        )
         work += 0.5 * (bending_y + history[p, STORED + 9]) * bend_y
         work += 0.5 * (bending_z + history[p, STORED + 10]) * bend_z
         work += 0.5 * (twisting + history[p, STORED + 11]) * twist
-        heat += 0.5 * (drag_y + history[p, STORED + 12]) * slip_y + 0.5 * (drag_z + history[p, STORED + 13]) * slip_z
+        heat += (
+            0.5 * (drag_y + history[p, STORED + 12]) * slip_y
+            + 0.5 * (drag_z + history[p, STORED + 13]) * slip_z
+        )
         history[p, STORED + 7] = shear_y
         history[p, STORED + 8] = shear_z
         history[p, STORED + 9] = bending_y
@@ -138,7 +146,8 @@ def pairs(
 
     now (n, 8 or 12): rows; pair_a, pair_b, pair_bond, touching (p,), history (p, H): the pair list; table,
     bond_table: parameters by pair of materials; bond_scale (b,); breaking: utilisation at which bonds break,
-    1 but in statics, where utilisation (b, 2) is noted; force (size, 3 or 6), energy (4,): added to; record (b, 5 or 6).
+    1 but in statics, where utilisation (b, 2) is noted; force (size, 3 or 6), energy (4,): added to; record
+    (b, 5 or 6).
 
     Returns
     -------

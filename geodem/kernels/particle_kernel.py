@@ -9,6 +9,7 @@ from typing import Any
 
 from .._jit import compile_kernel
 from ..laws import BOND_LAWS, CONTACT_LAWS
+from ..laws.protocol import constants as law_constants
 from . import blocks, motion, pairs, steps, wall_geometry, wall_motion, walls
 from .adapters import (
     HistoryLayout,
@@ -16,7 +17,6 @@ from .adapters import (
     bond_adapters,
     contact_adapters,
     history_layout,
-    law_constants,
     module_constants,
     no_bond_adapters,
     source,
@@ -105,10 +105,10 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
     if bond is None:
         adapters += no_bond_adapters()
     else:
-        functions, more = bond_adapters(
+        bond_functions, more = bond_adapters(
             bond, dimension=features.dimension, layout=layout, viscous=features.bond_viscous
         )
-        law_functions += functions
+        law_functions += bond_functions
         adapters += more
     loops: list[Callable[..., Any]] = []
     if not blocked:
@@ -140,11 +140,16 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
 def _constants(features: Features, contact: ModuleType, bond: ModuleType | None) -> dict[str, object]:
     layout = features.layout()
     space = features.dimension == 3
-    asked = asked_names(contact, "force") | (asked_names(contact, "viscous") if features.contact_viscous else set())
+    asked = asked_names(contact, "force") | (
+        asked_names(contact, "viscous") if features.contact_viscous else set()
+    )
     if bond is not None:
-        asked |= asked_names(bond, "force") | (asked_names(bond, "viscous") if features.bond_viscous else set())
+        asked |= asked_names(bond, "force") | (
+            asked_names(bond, "viscous") if features.bond_viscous else set()
+        )
     return {
-        **law_constants([contact] if bond is None else [contact, bond]),
+        **law_constants(contact, features.dimension),
+        **({} if bond is None else law_constants(bond, features.dimension)),
         **module_constants(pairs, motion, steps, wall_geometry, blocks),
         "SPHERES": space,
         "SPACE": space,

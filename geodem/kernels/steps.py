@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 
 from .motion import (
-    BROKEN,
     CONTACTS,
-    ELASTIC,
     FASTEST,
-    FRICTION,
     INERTIA,
     SOFTENING,
     THRUST,
-    VISCOUS,
+    TOTAL_BROKEN,
+    TOTAL_ELASTIC,
+    TOTAL_FRICTION,
+    TOTAL_VISCOUS,
     move,
 )
 from .pairs import pairs
@@ -63,10 +63,10 @@ def step_chunk(
     sums[CONTACTS] = contacts
     sums[THRUST] = thrust
     if ENERGY:
-        sums[FRICTION] += energy[0]
-        sums[VISCOUS] += energy[1]
-        sums[BROKEN] += energy[2]
-        sums[ELASTIC] = energy[3]
+        sums[TOTAL_FRICTION] += energy[0]
+        sums[TOTAL_VISCOUS] += energy[1]
+        sums[TOTAL_BROKEN] += energy[2]
+        sums[TOTAL_ELASTIC] = energy[3]
     move(
         base, size, now, following, force, inverse_mass, inverse_inertia, gravity, applied, held, anchor_of, anchors,
         angle, time_step, local_damping, global_damping, old_force, sums,

@@ -11,7 +11,7 @@ from ..scenes import Scene
 from .outcome import BackendError, Floats
 
 COLUMNS = "id x y z vx vy vz omegax omegay omegaz"
-SKIN = 0.2
+SKIN = 0.1
 """Distance beyond contact to which neighbours are listed, over the largest radius."""
 
 

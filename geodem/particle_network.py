@@ -1,0 +1,253 @@
+"""The links of a particle simulation as they are now: for the critical step, the elastic solve, the scaled masses."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .integrators.critical_step import critical_step, largest_frequency
+from .integrators.link_stiffness import law_stiffness
+from .integrators.network import RIGID, Links, anchor_springs, build_network, joined, links, stiffness_matrix
+
+if TYPE_CHECKING:
+    from .particle_simulation import ParticleSimulation
+
+Floats = NDArray[np.float64]
+
+MEASURED_WHOLE = 20_000
+"""Up to this many particles the largest frequency is measured on the whole; beyond, on its stiffest parts."""
+PART = 4_000
+"""Particles of such a part: its highest modes are local, and die out within a few particles."""
+PARTS = 3
+MARGIN = 1.01
+
+
+def current_links(simulation: ParticleSimulation, *, walls_only: bool = False) -> Links:
+    """Links of all pairs that are listed, as if those within the buffer touched, and of all listed wall pairs.
+
+    Particles are numbered by row.
+    """
+    wall = _wall_links(simulation)
+    return wall if walls_only else joined(_pair_links(simulation), wall)
+
+
+def touching_links(simulation: ParticleSimulation) -> Links:
+    """Links of intact bonds and of contacts that touch, by row."""
+    pairs = _pair_links(simulation, listed=False)
+    wall = _wall_links(simulation)
+    touching = simulation.wall_pairs.touching > 0
+    return joined(pairs, _chosen(wall, touching))
+
+
+def _pair_links(s: ParticleSimulation, *, listed: bool = True) -> Links:
+    p, columns = s.pairs, s.columns
+    under = p.listed_under()
+    once = under == np.minimum(p.a, p.b)
+    if not listed:
+        once &= (p.bond > 0) | (p.touching > 0)
+    first, second = p.a[once].astype(np.int64), p.b[once].astype(np.int64)
+    now = s.now
+    apart = now[second][:, columns.position] - now[first][:, columns.position]
+    distance = np.sqrt((apart**2).sum(axis=1))
+    radius_a, radius_b = now[first, columns.radius], now[second, columns.radius]
+    material = now[:, columns.material].astype(np.int64)
+    row = material[first] * len(s.assembly.material_names) + material[second]
+    contact, bond = s.features.laws()
+    sizes = {"radius_a": radius_a, "radius_b": radius_b, "distance": distance}
+    overlap = radius_a + radius_b - distance
+    bonded = p.bond[once] > 0
+    own = np.ones(len(first), dtype=bool) if bond is None or not bond.REPLACES_CONTACT else ~bonded
+    stiffness = np.zeros((len(first), 4))
+    chosen = {name: value[own] for name, value in sizes.items()}
+    stiffness[own] += law_stiffness(
+        contact, s.dimension, s.table[row[own]], overlap=np.maximum(overlap[own], 0.0), **chosen
+    )
+    if not s.features.shear:
+        stiffness[:, 1] = 0.0
+    if bond is not None and bonded.any():
+        chosen = {name: value[bonded] for name, value in sizes.items()}
+        stiffness[bonded] += law_stiffness(
+            bond, s.dimension, s.bond_table[row[bonded]], overlap=np.zeros(int(bonded.sum())), **chosen
+        )
+    half = 0.5 * (distance + radius_a - radius_b)
+    arms = np.stack([half, distance - half], axis=1)
+    return links(first, second, apart / distance[:, None], arms, *stiffness.T)
+
+
+def _chosen(found: Links, which: NDArray[np.bool_]) -> Links:
+    fields: list[Any] = [field[which] for field in found]
+    return Links(*fields)
+
+
+def _wall_links(s: ParticleSimulation) -> Links:
+    w, columns = s.wall_pairs, s.columns
+    d = s.dimension
+    particle = w.particle.astype(np.int64)
+    if not len(particle):
+        return links(np.zeros(0, int), RIGID, np.zeros((0, d)), np.zeros((0, 2)), np.zeros(0))
+    radius = s.now[particle, columns.radius]
+    material = s.now[particle, columns.material].astype(np.int64)
+    row = material * len(s.walls.bodies) + s.walls.body[w.primitive]
+    contact, _ = s.features.laws()
+    stiffness = law_stiffness(
+        contact, d, s.wall_parameters[row], radius_a=radius, radius_b=1e15 * radius, distance=radius,
+        overlap=np.zeros(len(radius)),
+    )  # fmt: skip
+    normal = _wall_normals(s, particle, w.primitive)
+    return links(particle, RIGID, normal, np.stack([radius, 0.0 * radius], axis=1), *stiffness.T)
+
+
+def _wall_normals(
+    s: ParticleSimulation, particle: NDArray[np.int64], primitive: NDArray[np.uint32]
+) -> Floats:
+    """Normals (w, d) from the particles to their primitives."""
+    corners = s.walls.corners_now()[primitive]
+    kind = s.walls.kind[primitive]
+    d = s.dimension
+    centre = np.zeros((len(particle), 3))
+    centre[:, :d] = s.now[particle][:, s.columns.position]
+    normal = np.empty((len(particle), 3))
+    flat = kind == 0
+    normal[flat] = -corners[flat, 1]
+    for which, k in ((kind == 1, 2), (kind == 2, 3)):
+        if which.any():
+            normal[which] = closest_point(centre[which], corners[which][:, :k]) - centre[which]
+    size = np.sqrt((normal**2).sum(axis=1))
+    size[size == 0.0] = 1.0
+    return np.ascontiguousarray((normal / size[:, None])[:, :d])
+
+
+def closest_point(points: Floats, corners: Floats) -> Floats:
+    """Points (w, 3) of segments (w, 2, 3) or triangles (w, 3, 3) that are closest to the points (w, 3)."""
+    edges = [(0, 1)] if corners.shape[1] == 2 else [(0, 1), (1, 2), (2, 0)]
+    best = corners[:, 0].copy()
+    nearest = np.full(len(points), np.inf)
+    for i, j in edges:
+        along = corners[:, j] - corners[:, i]
+        share = np.clip(((points - corners[:, i]) * along).sum(1) / (along**2).sum(1), 0.0, 1.0)
+        spot = corners[:, i] + share[:, None] * along
+        gap = ((points - spot) ** 2).sum(1)
+        best[gap < nearest] = spot[gap < nearest]
+        nearest = np.minimum(gap, nearest)
+    if corners.shape[1] == 3:
+        u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        normal = np.cross(u, v)
+        normal /= np.sqrt((normal**2).sum(1))[:, None]
+        spot = points - ((points - corners[:, 0]) * normal).sum(1)[:, None] * normal
+        inside = np.ones(len(points), dtype=bool)
+        for i, j in edges:
+            inward = np.cross(normal, corners[:, j] - corners[:, i])
+            inside &= ((spot - corners[:, i]) * inward).sum(1) >= 0.0
+        best[inside] = spot[inside]
+    return best
+
+
+def critical_time_step(s: ParticleSimulation, *, local_damping: float) -> float:
+    """The longest stable step [s], measured on the links as they are now; inf without any stiffness.
+
+    Every listed pair counts as touching, and every free particle may meet one more wall or equal particle.
+    """
+    found = current_links(s)
+    mass = s.assembly.mass[s.arrays.ids]
+    inertia = s.assembly.inertia[s.arrays.ids]
+    held = s.assembly.held[s.arrays.ids]
+    frequency = math.sqrt(max(_alone(s, mass, inertia, held), 0.0))
+    # viscosity in the form eta k v: damping ratio eta omega/2
+    viscosity = _viscosity(s)
+    n = len(mass)
+    if len(found.first) or s.assembly.anchors is not None:
+        positions = np.ascontiguousarray(s.now[:, s.columns.position])
+        inertias = np.column_stack([mass] * s.dimension + [inertia] * s.assembly.rotations)
+        if n <= MEASURED_WHOLE:
+            springs = None
+            if s.assembly.anchors is not None:
+                by_row = np.empty(n, dtype=np.int64)
+                by_row[s.arrays.ids] = np.arange(n)
+                anchors = s.assembly.anchors
+                springs = anchor_springs(
+                    positions,
+                    type(anchors)(
+                        by_row[anchors.particle].astype(np.int32),
+                        anchors.point,
+                        anchors.stiffness,
+                        anchors.length,
+                    ),
+                )
+            matrix = stiffness_matrix(build_network(positions, found, springs))
+            frequency = max(frequency, largest_frequency(matrix, inertias, held))
+        else:
+            frequency = max(frequency, _largest_of_parts(found, positions, inertias, held))
+    return critical_step(frequency, viscous=0.5 * viscosity * frequency, local=local_damping)
+
+
+def _alone(s: ParticleSimulation, mass: Floats, inertia: Floats, held: NDArray[np.bool_]) -> float:
+    """Largest squared frequency of one contact of a particle that touches nothing yet: with a rigid wall."""
+    free = ~held.all(axis=1)
+    if not free.any():
+        return 0.0
+    radius = s.now[:, s.columns.radius]
+    contact, _ = s.features.laws()
+    # two equal particles: the reduced mass is half
+    rows = [(row, 2.0) for row in s.table] + [
+        (row, 1.0) for row in (s.wall_parameters if s.assembly.walls else [])
+    ]
+    largest = 0.0
+    lightest = np.flatnonzero(free)[np.argmin(mass[free])]
+    for row, factor in rows:
+        r = np.array([radius[lightest]])
+        k = law_stiffness(
+            contact, s.dimension, row[None], radius_a=r, radius_b=r, distance=2 * r, overlap=0.0 * r
+        )[0]
+        largest = max(largest, factor * k[0] / mass[lightest])
+        if s.features.shear:
+            turning = 0.0 if held[lightest, s.dimension :].all() else r[0] ** 2 / inertia[lightest]
+            largest = max(largest, factor * k[1] * (1.0 / mass[lightest] + turning))
+    return largest
+
+
+def _viscosity(s: ParticleSimulation) -> float:
+    contact, bond = s.features.laws()
+    largest = 0.0
+    tables = [(contact, s.table)] + ([(contact, s.wall_parameters)] if s.assembly.walls else [])
+    if bond is not None:
+        tables.append((bond, s.bond_table))
+    for law, table in tables:
+        for k, name in enumerate(law.PARAMETERS._fields):
+            if name.endswith("_viscosity"):
+                largest = max(largest, float(table[:, k].max()))
+    return largest
+
+
+def _largest_of_parts(found: Links, positions: Floats, inertias: Floats, held: NDArray[np.bool_]) -> float:
+    """Largest frequency of the stiffest parts of a large assembly, a little up."""
+    from scipy.spatial import cKDTree
+
+    n = len(positions)
+    second = found.second >= 0
+    particle = np.concatenate([found.first, found.second[second]])
+    total = found.kn + found.ks
+    rate = np.bincount(particle, np.concatenate([total, total[second]]), minlength=n) / inertias[:, 0]
+    rate[held[:, 0]] = 0.0
+    tree = cKDTree(positions)
+    frequency = 0.0
+    open_ = np.ones(n, dtype=bool)
+    for _ in range(PARTS):
+        if not open_.any():
+            break
+        centre = int(np.argmax(np.where(open_, rate, -1.0)))
+        _, near = tree.query(positions[centre], k=min(PART, n))
+        near = np.sort(near)
+        open_[near] = False
+        number = np.full(n + 1, -1, dtype=np.int64)
+        number[near] = np.arange(len(near))
+        inside = (number[found.first] >= 0) & ((found.second < 0) | (number[found.second] >= 0))
+        part = _chosen(found, inside)
+        part = part._replace(
+            first=number[part.first], second=np.where(part.second < 0, RIGID, number[part.second])
+        )
+        matrix = stiffness_matrix(build_network(positions[near], part))
+        frequency = max(frequency, largest_frequency(matrix, inertias[near], held[near]))
+    return MARGIN * frequency
