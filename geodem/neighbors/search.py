@@ -146,7 +146,7 @@ def find(
                     other = near[begin + index]
                     before = 0
                     for k in range(listed):
-                        before += np.int64(near[begin + k] < other)
+                        before += int(near[begin + k] < other)
                     ordered[before] = other
                 for index in range(listed):
                     near[begin + index] = ordered[index]
