@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from geodem._jit import cache_folder
 from geodem.errors import InputError
+from geodem.particle_simulation import ParticleSimulation
 
 from .scene_packings import touching_pairs
 from .scenes import Scene
@@ -206,19 +207,47 @@ def loop_of(scene: Scene, *, damping: float = 0.0, chunk: int | None = None, mar
             apart = scene.positions[pairs[:, 1]] - scene.positions[pairs[:, 0]]
             overlap = scene.radii[pairs].sum(1) - np.sqrt((apart**2).sum(1))
             history[:, 1] = np.where(bond > 0, overlap[own], 0.0)
-    strong = scene.bonds
-    parameters = Parameters(
+    untouched = np.zeros(len(a), dtype=np.uint8)
+    return Loop(
+        scene.dimension, rows, chunk, start, a, b, bond, untouched, history, _parameters(scene, damping)
+    )
+
+
+def loop_of_engine(scene: Scene, simulation: ParticleSimulation, *, damping: float = 0.0) -> Loop:
+    """The rows, chunks and pairs of geodem's own simulation of a scene, copied; with histories as C keeps them."""
+    pairs, now = simulation.pairs, simulation.now
+    dimension = scene.dimension
+    history = np.zeros((len(pairs.a), 3 if dimension == 3 else 2))
+    if dimension == 2:
+        columns = simulation.columns
+        apart = now[pairs.b][:, columns.position] - now[pairs.a][:, columns.position]
+        overlap = now[pairs.a, columns.radius] + now[pairs.b, columns.radius] - np.sqrt((apart**2).sum(1))
+        history[:, 1] = np.where(pairs.bond > 0, overlap, 0.0)
+    return Loop(
+        dimension,
+        np.stack([now, now]),
+        simulation.chunk,
+        pairs.start.copy(),
+        pairs.a.copy(),
+        pairs.b.copy(),
+        pairs.bond.copy(),
+        np.zeros(len(pairs.a), dtype=np.uint8),
+        history,
+        _parameters(scene, damping),
+    )
+
+
+def _parameters(scene: Scene, damping: float) -> Parameters:
+    bonds = scene.bonds
+    return Parameters(
         scene.normal,
         scene.shear,
         scene.friction,
         damping,
         scene.time_step,
         *scene.gravity,
-        min(strong.tension, _HUGE) if strong else 0.0,
-        min(strong.cohesion, _HUGE) if strong else 0.0,
-    )
-    return Loop(
-        scene.dimension, rows, chunk, start, a, b, bond, np.zeros(len(a), dtype=np.uint8), history, parameters
+        min(bonds.tension, _HUGE) if bonds else 0.0,
+        min(bonds.cohesion, _HUGE) if bonds else 0.0,
     )
 
 

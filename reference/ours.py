@@ -1,109 +1,157 @@
-"""geodem itself on a scene of `reference.scenes`: the one place where benchmarks call it."""
+"""geodem itself on a scene of `reference.scenes`: the one place where comparisons and benchmarks call it."""
 
 from __future__ import annotations
 
+import math
 import time
-from math import pi
 
 import numpy as np
 
-from geodem import __version__
-from geodem._jit import ThreadPilot, set_threads
+from geodem._jit import set_threads, threads_allowed
+from geodem._version import __version__
 from geodem.assembly import Assembly
-from geodem.boundaries.walls import box
+from geodem.boundaries import walls
 from geodem.builders.assembly_builder import AssemblyBuilder
-from geodem.particle_layout import chunk_size
-from geodem.particle_simulation import SERIAL_LIMIT, ParticleSimulation
+from geodem.particle_simulation import ParticleSimulation
 
-from .backends.outcome import WARM_UP, Speed
+from .backends.outcome import Outcome, Speed, refuse, speed
 from .scenes import Scene
 
 NAME = "geodem"
 
+LAWS = {
+    "frictional": "linear_frictional",
+    "moments": "parallel_bond; the contact beside it has a millionth of the stiffness",
+    "planar": "two_springs without width; discs have the mass of the scene's spheres and the inertia of discs",
+}
+_BESIDE = 1e-6
+"""Share of the contact's stiffness where a bond acts beside it: the other codes have no contact there."""
 
-def available() -> str | None:
-    """None: geodem is always there."""
-    return None
+
+def run(
+    scene: Scene, steps: int, *, threads: int = 1, warm_up: int = 0, every: int = 0, damping: float = 0.0
+) -> Outcome:
+    """`warm_up` steps, then `steps` timed ones; frames every `every` steps (0: the last only).
+
+    `damping` is the local one. Velocities are half a step back. Building and compiling do not count. Raises
+    BackendError where geodem's laws cannot stand for the scene.
+    """
+    law, assembly = _assembly(scene)
+    before = threads_allowed()
+    set_threads(threads)
+    try:
+        simulation = ParticleSimulation(
+            assembly, time_step=scene.time_step, local_damping=damping, orientation=False
+        )
+        simulation.kernel(simulation.features)
+        simulation.run(warm_up)
+        frames, seconds, left = [], 0.0, steps
+        while left > 0:
+            batch = min(every or left, left)
+            begin = time.perf_counter()
+            simulation.run(batch)
+            seconds += time.perf_counter() - begin
+            left -= batch
+            frames.append(_state(simulation))
+    finally:
+        set_threads(before)
+    positions, velocities, spins = (np.array(values) for values in zip(*frames, strict=True))
+    return Outcome(seconds / steps, LAWS[law], __version__, positions, velocities, spins)
 
 
 def run_speed(scene: Scene, steps: int, threads: int, *, damping: float = 0.0) -> Speed:
     """Seconds of one step after a warm-up, without building and compiling; `damping` is the local one."""
-    set_threads(threads)
-    # every call starts from the scene as it is given, as the other codes do
-    simulation = ParticleSimulation(
-        assembly(scene), time_step=scene.time_step, local_damping=damping, orientation=False
+
+    def damped(scene: Scene, steps: int, *, threads: int, warm_up: int) -> Outcome:
+        return run(scene, steps, threads=threads, warm_up=warm_up, damping=damping)
+
+    return speed(damped, scene, steps, threads)
+
+
+def simulation_of(scene: Scene, *, damping: float = 0.0) -> ParticleSimulation:
+    """geodem's simulation of a scene, at its start."""
+    return ParticleSimulation(
+        _assembly(scene)[1], time_step=scene.time_step, local_damping=damping, orientation=False
     )
-    simulation._pilot = ThreadPilot()
-    simulation.run(WARM_UP)
-    begin = time.perf_counter()
-    simulation.run(steps)
-    seconds = (time.perf_counter() - begin) / steps
-    found = simulation.contacts()
-    law = simulation.assembly.contact_law
-    if simulation.assembly.bond_law is not None:
-        law += f", {simulation.assembly.bond_law}"
-    return Speed(seconds, len(found.pairs), law, __version__)
 
 
-_last: list[tuple[Scene, Assembly]] = []
-"""The last scene and its assembly: building is not what is timed."""
-
-
-def assembly(scene: Scene) -> Assembly:
-    """The scene as geodem's assembly."""
-    if not _last or _last[0][0] is not scene:
-        _last[:] = [(scene, _build(scene))]
-    return _last[0][1]
-
-
-def _build(scene: Scene) -> Assembly:
-    flat = scene.dimension == 2
-    bonds = scene.bonds
-    radius = float(scene.radii.mean())
+def _assembly(scene: Scene) -> tuple[str, Assembly]:
+    """Name of the laws, and the assembly; geodem, too, begins with the velocities at the start."""
+    d, bonds = scene.dimension, scene.bonds
+    moments = bonds is not None and d == 3
+    law = "frictional" if bonds is None else "moments" if moments else "planar"
+    share = _BESIDE if moments else 1.0
     builder = AssemblyBuilder(
-        scene.dimension,
-        bond_law=None if bonds is None else ("two_springs" if flat else "parallel_bond"),
-        gravity=np.asarray(scene.gravity)[: scene.dimension],
+        d,
+        bond_law={"frictional": None, "moments": "parallel_bond", "planar": "two_springs"}[law],
+        gravity=scene.gravity[:d] if any(scene.gravity) else None,
     )
-    bond = None
-    if bonds is not None and flat:
-        width = 2.0 * (bonds.bend / bonds.normal) ** 0.5 / (2.0 * radius)
-        bond = {
-            "normal_stiffness": bonds.normal, "shear_stiffness": bonds.shear, "tensile_strength": bonds.tension,
-            "cohesion": bonds.cohesion, "friction_coefficient": scene.friction, "width_ratio": width,
-        }  # fmt: skip
-    elif bonds is not None:
-        area = pi * radius**2
-        bond = {
-            "radius_factor": 1.0, "normal_stiffness": bonds.normal / area, "shear_stiffness": bonds.shear / area,
-            "tensile_strength": bonds.tension / area, "shear_strength": bonds.cohesion / area,
-            "friction_coefficient": scene.friction,
-        }  # fmt: skip
-    builder.add_material(
-        "grains",
-        # discs have the mass of spheres here
-        density=scene.density * (4.0 / 3.0 * radius if flat else 1.0),
-        contact={
-            "normal_stiffness": scene.normal, "shear_stiffness": scene.shear, "friction_coefficient": scene.friction,
-        },
-        bond=bond,
-    )  # fmt: skip
-    d = scene.dimension
+    contact = {
+        "normal_stiffness": share * scene.normal,
+        "shear_stiffness": share * scene.shear,
+        "friction_coefficient": scene.friction,
+    }
+    builder.add_material("grain", density=scene.density, contact=contact, bond=_bond(scene))
+    velocities, spins = scene.velocities_at_start(), scene.spins
+    # discs weigh by the metre; these weigh what the scene's spheres do
+    density = scene.mass / (np.pi * scene.radii**2) if d == 2 else scene.density
     builder.add_particles(
         scene.positions[:, :d],
         scene.radii,
-        "grains",
-        velocity=scene.velocities[:, :d],
-        spin=scene.spins[:, 2:] if flat else scene.spins,
+        "grain",
+        velocity=velocities[:, :d],
+        spin=spins[:, 2:] if d == 2 else spins,
+        density=density,
     )
+    if scene.box is not None:
+        builder.add_wall(walls.box("box", scene.box[0, :d], scene.box[1, :d]))
     if bonds is not None:
         builder.bond(bonds.pairs)
-    if scene.box is not None:
-        builder.add_wall(box("box", scene.box[0, :d], scene.box[1, :d]))
-    return builder.build()
+    return law, builder.build()
 
 
-def chunk_of(scene: Scene) -> int:
-    """Particles a chunk of geodem's pair list on this scene."""
-    count = len(scene.radii)
-    return chunk_size(count, count <= SERIAL_LIMIT)
+def _bond(scene: Scene) -> dict[str, float] | None:
+    bonds = scene.bonds
+    if bonds is None:
+        return None
+    if scene.dimension == 2:
+        if bonds.twist or bonds.bend:
+            raise refuse("geodem", "bonds of discs with a given stiffness against bending")
+        return {
+            "normal_stiffness": bonds.normal,
+            "shear_stiffness": bonds.shear,
+            "tensile_strength": bonds.tension,
+            "cohesion": bonds.cohesion,
+            "friction_coefficient": scene.friction,
+            "width_ratio": 0.0,
+        }
+    radius = float(scene.radii[0])
+    area = math.pi * radius**2
+    if np.any(scene.radii != radius):
+        raise refuse("geodem", "stiffnesses of its parallel bonds follow the radius, and the radii differ")
+    stiff = (bonds.bend / (bonds.normal * radius**2), bonds.twist / (bonds.shear * radius**2))
+    if not np.allclose(stiff, (0.25, 0.5)):
+        raise refuse("geodem", "bend and twist of a parallel bond are kn r2/4 and ks r2/2")
+    if not (math.isinf(bonds.tension) and math.isinf(bonds.cohesion)):
+        raise refuse(
+            "geodem", "a parallel bond breaks by stresses, not by forces; only unbreakable ones are the same"
+        )
+    return {
+        "radius_factor": 1.0,
+        "normal_stiffness": bonds.normal / area,
+        "shear_stiffness": bonds.shear / area,
+        "tensile_strength": math.inf,
+        "shear_strength": math.inf,
+    }
+
+
+def _state(simulation: ParticleSimulation) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Positions, velocities and spins in three components."""
+    parts = [simulation.positions, simulation.velocities, simulation.spins]
+    if simulation.dimension == 2:
+        parts = [
+            np.pad(parts[0], ((0, 0), (0, 1))),
+            np.pad(parts[1], ((0, 0), (0, 1))),
+            np.pad(parts[2], ((0, 0), (2, 0))),
+        ]
+    return parts[0].copy(), parts[1].copy(), parts[2].copy()

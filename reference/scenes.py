@@ -158,8 +158,10 @@ def touching_spheres(n: int, *, seed: int = 1) -> Scene:
 def bonded_block(n: int, *, seed: int = 1) -> Scene:
     """A free block of n spheres on a lattice with gaps, all touching pairs bonded, with moments; unbreakable."""
     scene = _lattice(f"bonded block {n}", n, seed, NO_OVERLAP)
-    bend = STIFFNESS * RADIUS**2 / 4.0
-    bonds = Bonds(scene.pairs(), STIFFNESS, SHEAR_SHARE * STIFFNESS, bend, bend, np.inf, np.inf)
+    shear = SHEAR_SHARE * STIFFNESS
+    # those of a round beam of the spheres' radius
+    bend, twist = STIFFNESS * RADIUS**2 / 4.0, shear * RADIUS**2 / 2.0
+    bonds = Bonds(scene.pairs(), STIFFNESS, shear, twist, bend, np.inf, np.inf)
     return _shaken(replace(scene, bonds=bonds), seed)
 
 
