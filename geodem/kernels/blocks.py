@@ -50,20 +50,23 @@ SCALE = 18
 PRESSED = 19  # 1 for a new contact
 LEFT = 20  # share of the slip that is still to be taken: 0 where a bond broke in this step
 FORCE = 21  # on a
-LEVER = 24  # n x shear
-ARM = 27
-TURNING = 28  # moment on a
-WEIGHT = 31  # 1; half for a pair across chunks
-TENSION = 32
-CUT = 33
-SHEAR = 34  # of an intact bond
-HISTORY = 37
+TORQUE_A = 24
+TORQUE_B = 27
+TENSION = 30
+CUT = 31
+SHEAR = 32  # of an intact bond
+HISTORY = 35
 HEIGHT = 48  # set to HISTORY and the larger of the two laws' histories
 
 # Columns of the record of a bond, as in pairs.
 STATE = 0
 STEP = 1
 PLACE = 3
+
+SPARE = 8
+"""Rows of forces that take what belongs to other chunks; several, so that one need not wait for another."""
+
+FREEDOMS = 6
 
 HANDED_OVER = 2
 """In touching: the contact of a bond that broke in this step."""
@@ -91,35 +94,39 @@ with_shear: Any = None
 load_contact: Any = None
 
 
-def gather(block, lane, now, a, b, zero, weight):
+def gather(block, lane, now, a, b, offset):
     """Copy what a pair's law may ask for into one lane of a block."""
+    i = 12 * int(
+        a
+    )  # the width of a row, known to the compiler, and an index that it knows not to be negative
+    j = 12 * int(b)
     # all loads before all stores: the compiler cannot know that a block is not part of the rows
-    ax = now[a, 0]
-    ay = now[a, 1]
-    az = now[a, 2]
-    radius_a = now[a, 3]
-    avx = now[a, 4]
-    avy = now[a, 5]
-    avz = now[a, 6]
-    awx = now[a, 8]
-    awy = now[a, 9]
-    awz = now[a, 10]
-    bx = now[b, 0]
-    by = now[b, 1]
-    bz = now[b, 2]
-    radius_b = now[b, 3]
-    bvx = now[b, 4]
-    bvy = now[b, 5]
-    bvz = now[b, 6]
-    bwx = now[b, 8]
-    bwy = now[b, 9]
-    bwz = now[b, 10]
-    mass_a = now[a, 7]
-    mass_b = now[b, 7]
+    ax = now[i]
+    ay = now[i + 1]
+    az = now[i + 2]
+    radius_a = now[i + 3]
+    avx = now[i + 4]
+    avy = now[i + 5]
+    avz = now[i + 6]
+    awx = now[i + 8]
+    awy = now[i + 9]
+    awz = now[i + 10]
+    bx = now[j]
+    by = now[j + 1]
+    bz = now[j + 2]
+    radius_b = now[j + 3]
+    bvx = now[j + 4]
+    bvy = now[j + 5]
+    bvz = now[j + 6]
+    bwx = now[j + 8]
+    bwy = now[j + 9]
+    bwz = now[j + 10]
+    mass_a = now[i + 7]
+    mass_b = now[j + 7]
     block[APART, lane] = bx - ax
     block[APART + 1, lane] = by - ay
     block[APART + 2, lane] = bz - az
-    block[ZERO, lane] = zero
+    block[ZERO, lane] = radius_a + radius_b + offset
     block[UNLIKE, lane] = radius_a - radius_b
     block[RELATIVE, lane] = bvx - avx
     block[RELATIVE + 1, lane] = bvy - avy
@@ -130,7 +137,6 @@ def gather(block, lane, now, a, b, zero, weight):
     block[DIFFERENCE, lane] = awx - bwx
     block[DIFFERENCE + 1, lane] = awy - bwy
     block[DIFFERENCE + 2, lane] = awz - bwz
-    block[WEIGHT, lane] = weight
     if ASKS_RADII:
         block[RADIUS_A, lane] = radius_a
         block[RADIUS_B, lane] = radius_b
@@ -139,46 +145,44 @@ def gather(block, lane, now, a, b, zero, weight):
         block[MASS_B, lane] = mass_b
 
 
-def fill_up(block, row, filled):
-    """Let the lanes that are not filled repeat the first one, without weight."""
+def fill_up(block, row, own_a, own_b, filled, nobody):
+    """Let the lanes that are not filled repeat the first one, for particles that are nobody's."""
     for lane in range(filled, LANES):
         row[lane] = row[0]
+        own_a[lane] = nobody
+        own_b[lane] = nobody
     for line in range(HEIGHT):
         for lane in range(filled, LANES):
             block[line, lane] = block[line, 0]
-    for lane in range(filled, LANES):
-        block[WEIGHT, lane] = 0.0
 
 
 def scatter(block, filled, own_a, own_b, force):
-    """Add the forces of the filled lanes to the chunk's particles; the last row of force takes all others."""
-    for lane in range(filled):
-        a = own_a[lane]
-        b = own_b[lane]
-        arm_a = block[ARM, lane]
-        arm_b = arm_a - block[UNLIKE, lane]
-        fx = block[FORCE, lane]
-        fy = block[FORCE + 1, lane]
-        fz = block[FORCE + 2, lane]
-        force[a, 0] += fx
-        force[a, 1] += fy
-        force[a, 2] += fz
-        force[b, 0] -= fx
-        force[b, 1] -= fy
-        force[b, 2] -= fz
-        if ROTATION:
-            tx = block[LEVER, lane]
-            ty = block[LEVER + 1, lane]
-            tz = block[LEVER + 2, lane]
-            mx = block[TURNING, lane] if MOMENT else 0.0
-            my = block[TURNING + 1, lane] if MOMENT else 0.0
-            mz = block[TURNING + 2, lane] if MOMENT else 0.0
-            force[a, 3] += arm_a * tx + mx
-            force[a, 4] += arm_a * ty + my
-            force[a, 5] += arm_a * tz + mz
-            force[b, 3] += arm_b * tx - mx
-            force[b, 4] += arm_b * ty - my
-            force[b, 5] += arm_b * tz - mz
+    """Add the forces of the filled lanes to the chunk's particles; own_a, own_b: row of each one.
+
+    Neighbouring lanes mostly share a particle, and a sum that was just stored takes a while to be read again:
+    so lanes are taken eight apart.
+    """
+    for first in range(8):
+        for lane in range(first, filled, 8):
+            a = FREEDOMS * int(own_a[lane])
+            b = FREEDOMS * int(own_b[lane])
+            fx = block[FORCE, lane]
+            fy = block[FORCE + 1, lane]
+            fz = block[FORCE + 2, lane]
+            force[a] += fx
+            force[a + 1] += fy
+            force[a + 2] += fz
+            if ROTATION:
+                force[a + 3] += block[TORQUE_A, lane]
+                force[a + 4] += block[TORQUE_A + 1, lane]
+                force[a + 5] += block[TORQUE_A + 2, lane]
+            force[b] -= fx
+            force[b + 1] -= fy
+            force[b + 2] -= fz
+            if ROTATION:
+                force[b + 3] += block[TORQUE_B, lane]
+                force[b + 4] += block[TORQUE_B + 1, lane]
+                force[b + 5] += block[TORQUE_B + 2, lane]
 
 
 def lane_geometry(block, lane, time_step):
@@ -241,21 +245,28 @@ def set_forces(
     bending_y,
     bending_z,
 ):
-    """Put the force and moment on a into the lane."""
+    """Put the force on a and the torques on both into the lane."""
     block[FORCE, lane] = shear_x - normal * nx
     block[FORCE + 1, lane] = shear_y - normal * ny
     block[FORCE + 2, lane] = shear_z - normal * nz
-    block[LEVER, lane] = ny * shear_z - nz * shear_y
-    block[LEVER + 1, lane] = nz * shear_x - nx * shear_z
-    block[LEVER + 2, lane] = nx * shear_y - ny * shear_x
-    block[ARM, lane] = 0.5 * (distance + block[UNLIKE, lane])
-    if MOMENT:
-        block[TURNING, lane] = bending_x + twisting * nx
-        block[TURNING + 1, lane] = bending_y + twisting * ny
-        block[TURNING + 2, lane] = bending_z + twisting * nz
+    if ROTATION:
+        tx = ny * shear_z - nz * shear_y
+        ty = nz * shear_x - nx * shear_z
+        tz = nx * shear_y - ny * shear_x
+        mx = bending_x + twisting * nx if MOMENT else 0.0
+        my = bending_y + twisting * ny if MOMENT else 0.0
+        mz = bending_z + twisting * nz if MOMENT else 0.0
+        arm_a = 0.5 * (distance + block[UNLIKE, lane])
+        arm_b = distance - arm_a
+        block[TORQUE_A, lane] = arm_a * tx + mx
+        block[TORQUE_A + 1, lane] = arm_a * ty + my
+        block[TORQUE_A + 2, lane] = arm_a * tz + mz
+        block[TORQUE_B, lane] = arm_b * tx - mx
+        block[TORQUE_B + 1, lane] = arm_b * ty - my
+        block[TORQUE_B + 2, lane] = arm_b * tz - mz
 
 
-def contact_block(block, table, row, time_step):
+def contact_block(block, table, row, own_a, own_b, size, time_step):
     """The contact law on every lane of a block. Returns the sum of weights and that of the weighted normal forces."""
     common = contact_parameters(table, 0)
     contacts = 0.0
@@ -291,12 +302,14 @@ def contact_block(block, table, row, time_step):
             block, lane, distance, nx, ny, nz, normal, shear_x, shear_y, shear_z,
             twisting, bending_x, bending_y, bending_z,
         )  # fmt: skip
-        contacts += block[WEIGHT, lane]
-        thrust += block[WEIGHT, lane] * abs(normal)
+        # half for a pair across chunks
+        weight = (0.5 if own_a[lane] < size else 0.0) + (0.5 if own_b[lane] < size else 0.0)
+        contacts += weight
+        thrust += weight * abs(normal)
     return contacts, thrust
 
 
-def bond_block(block, table, row, time_step):
+def bond_block(block, table, row, own_a, own_b, size, time_step):
     """The bond law on every lane of a block. Returns the sum of weights and that of the weighted normal forces."""
     common = bond_parameters(table, 0)
     contacts = 0.0
@@ -338,8 +351,10 @@ def bond_block(block, table, row, time_step):
             block, lane, distance, nx, ny, nz, normal, shear_x, shear_y, shear_z,
             twisting, bending_x, bending_y, bending_z,
         )  # fmt: skip
-        contacts += block[WEIGHT, lane]
-        thrust += block[WEIGHT, lane] * abs(normal)
+        # half for a pair across chunks
+        weight = (0.5 if own_a[lane] < size else 0.0) + (0.5 if own_b[lane] < size else 0.0)
+        contacts += weight
+        thrust += weight * abs(normal)
     return contacts, thrust
 
 
@@ -371,22 +386,23 @@ def break_bonds(
             if mine:
                 record[number - 1, STATE] = 1 if tension >= cut else 2
                 record[number - 1, STEP] = step
-                share = block[ARM, lane] / math.sqrt(
+                distance = math.sqrt(
                     block[APART, lane] ** 2 + block[APART + 1, lane] ** 2 + block[APART + 2, lane] ** 2
                 )
+                share = 0.5 * (distance + block[UNLIKE, lane]) / distance
                 for axis in range(3):
                     record[number - 1, PLACE + axis] = now[a, axis] + share * block[APART + axis, lane]
             for row in range(3):
                 block[FORCE + row, lane] = 0.0
-                block[LEVER + row, lane] = 0.0
-                block[TURNING + row, lane] = 0.0
+                block[TORQUE_A + row, lane] = 0.0
+                block[TORQUE_B + row, lane] = 0.0
 
 
 def pairs(
     first, last, base, size, now, pair_a, pair_b, pair_bond, touching, history, table, bond_table, bond_scale,
     time_step, step, breaking, force, energy, utilisation, record,
 ):  # fmt: skip
-    """As `geodem.kernels.pairs.pairs`, without the energy account; force has a row more than the chunk particles."""
+    """As `geodem.kernels.pairs.pairs`, without the energy account; force has SPARE rows more than the chunk particles."""
     # rows a little longer than their lanes, so that a lane's rows do not fall into the same few lines of the cache
     block = np.empty((HEIGHT, LANES + 8))
     place = np.empty(LANES, np.uint32)
@@ -395,23 +411,25 @@ def pairs(
     row = np.zeros(LANES, np.uint32)
     contacts = 0.0
     thrust = 0.0
+    # widths that the compiler knows
+    rows = now.reshape(now.size)
+    forces = force.reshape(force.size)
+    chunk_rows = len(force) - SPARE
     p = first
     while BONDS and p < last:
         filled = 0
         while p < last and filled < LANES:
-            number = pair_bond[p]
+            pair = np.uint64(p)  # an index without a sign saves the question whether it counts from the end
+            number = pair_bond[pair]
             if number > 0:
-                a = pair_a[p]
-                b = pair_b[p]
-                local_a = int(a) - base
-                local_b = int(b) - base
-                mine = 0 <= local_a < size
-                its = 0 <= local_b < size
-                own_a[filled] = local_a if mine else size
-                own_b[filled] = local_b if its else size
-                zero = now[a, 3] + now[b, 3] + history[p, OFFSET]
-                gather(block, filled, now, a, b, zero, 1.0 if mine and its else 0.5)
-                gather_bond(block, filled, history, p)
+                a = pair_a[pair]
+                b = pair_b[pair]
+                # what lies before the chunk becomes a very large number
+                nobody = chunk_rows + (filled & (SPARE - 1))
+                own_a[filled] = min(int(np.uint32(int(a) - base)), nobody)
+                own_b[filled] = min(int(np.uint32(int(b) - base)), nobody)
+                gather(block, filled, rows, a, b, history[pair, OFFSET])
+                gather_bond(block, filled, history, pair)
                 block[SCALE, filled] = bond_scale[number - 1]
                 if not ONE_MATERIAL:
                     row[filled] = int(now[a, 11]) * MATERIALS + int(now[b, 11])
@@ -419,8 +437,8 @@ def pairs(
                 filled += 1
             p += 1
         if filled > 0:
-            fill_up(block, row, filled)
-            count, pressed = bond_block(block, bond_table, row, time_step)
+            fill_up(block, row, own_a, own_b, filled, chunk_rows)
+            count, pressed = bond_block(block, bond_table, row, own_a, own_b, size, time_step)
             contacts += count
             thrust += pressed
             for lane in range(filled):
@@ -429,61 +447,62 @@ def pairs(
                 block, filled, place, now, pair_a, pair_bond, touching, history, base, size, step, breaking,
                 utilisation, record,
             )  # fmt: skip
-            scatter(block, filled, own_a, own_b, force)
+            scatter(block, filled, own_a, own_b, forces)
     p = first
     while p < last:
         filled = 0
         while p < last and filled < LANES:
-            bonded = BONDS and pair_bond[p] > 0
+            pair = np.uint64(p)
+            bonded = BONDS and pair_bond[pair] > 0
             if REPLACES and bonded:
                 p += 1
                 continue
-            a = pair_a[p]
-            b = pair_b[p]
-            dx = now[b, 0] - now[a, 0]
-            dy = now[b, 1] - now[a, 1]
-            dz = now[b, 2] - now[a, 2]
-            square = dx * dx + dy * dy + dz * dz
-            zero = now[a, 3] + now[b, 3]
+            i = 12 * int(pair_a[pair])
+            j = 12 * int(pair_b[pair])
+            dx = rows[j] - rows[i]
+            dy = rows[j + 1] - rows[i + 1]
+            dz = rows[j + 2] - rows[i + 2]
+            limit = rows[i + 3] + rows[j + 3]
             if BONDS:
-                zero += history[p, OFFSET]
-            material = 0 if ONE_MATERIAL else int(now[a, 11]) * MATERIALS + int(now[b, 11])
-            state = touching[p]
-            limit = zero
+                limit += history[pair, OFFSET]
+            material = 0 if ONE_MATERIAL else int(rows[i + 11]) * MATERIALS + int(rows[j + 11])
+            state = touching[pair]
             if REACH and state != 0:
-                limit += contact_reach(contact_parameters(table, material), now[a, 3], now[b, 3])
-            if square < limit * limit:
-                local_a = int(a) - base
-                local_b = int(b) - base
-                mine = 0 <= local_a < size
-                its = 0 <= local_b < size
-                own_a[filled] = local_a if mine else size
-                own_b[filled] = local_b if its else size
-                gather(block, filled, now, a, b, zero, 1.0 if mine and its else 0.5)
-                gather_contact(block, filled, history, p)
-                if ASKS_APPROACH:
-                    block[PRESSED, filled] = 1.0 if state == 0 and not bonded else 0.0
-                if BONDS:
-                    block[LEFT, filled] = 0.0 if state == HANDED_OVER else 1.0
-                if not ONE_MATERIAL:
-                    row[filled] = material
-                touching[p] = 1
-                place[filled] = p
-                filled += 1
-            elif state != 0:
-                touching[p] = 0
-                store_contact(history, p, no_contact())
-                if BONDS and not bonded and history[p, OFFSET] > 0.0:
-                    history[p, OFFSET] = 0.0
+                limit += contact_reach(contact_parameters(table, material), rows[i + 3], rows[j + 3])
+            touch = dx * dx + dy * dy + dz * dz < limit * limit
+            # written whether it touches or not: nothing to guess, where a third of the pairs may be apart
+            place[filled] = p
+            if ASKS_APPROACH:
+                block[PRESSED, filled] = 1.0 if state == 0 and not bonded else 0.0
+            if BONDS:
+                block[LEFT, filled] = 0.0 if state == HANDED_OVER else 1.0
+            if not ONE_MATERIAL:
+                row[filled] = material
+            filled += 1 if touch else 0
+            if state != (1 if touch else 0):
+                touching[pair] = 1 if touch else 0
+                if not touch:
+                    store_contact(history, pair, no_contact())
+                    if BONDS and not bonded and history[pair, OFFSET] > 0.0:
+                        history[pair, OFFSET] = 0.0
             p += 1
+        for lane in range(filled):
+            pair = place[lane]
+            a = pair_a[pair]
+            b = pair_b[pair]
+            nobody = chunk_rows + (lane & (SPARE - 1))
+            own_a[lane] = min(int(np.uint32(int(a) - base)), nobody)
+            own_b[lane] = min(int(np.uint32(int(b) - base)), nobody)
+            gather(block, lane, rows, a, b, history[pair, OFFSET] if BONDS else 0.0)
+            gather_contact(block, lane, history, pair)
         if filled > 0:
-            fill_up(block, row, filled)
-            count, pressed = contact_block(block, table, row, time_step)
+            fill_up(block, row, own_a, own_b, filled, chunk_rows)
+            count, pressed = contact_block(block, table, row, own_a, own_b, size, time_step)
             contacts += count
             thrust += pressed
             for lane in range(filled):
                 scatter_contact(block, lane, history, place[lane])
-            scatter(block, filled, own_a, own_b, force)
+            scatter(block, filled, own_a, own_b, forces)
     return contacts, thrust
 
 

@@ -50,6 +50,11 @@ GRAVITATION = 14
 FORCING = 15  # work of applied forces
 
 
+def direction(velocity):
+    """Its sign; without a branch, which would be guessed wrong every other time."""
+    return (1.0 if velocity > 0.0 else 0.0) - (1.0 if velocity < 0.0 else 0.0)
+
+
 def move(
     base, size, now, following, force, inverse_mass, inverse_inertia, gravity, applied, held, anchor_of, anchors,
     angle, time_step, local_damping, global_damping, old_force, sums,
@@ -117,7 +122,7 @@ def move(
                 unbalanced += f * f
                 drag = 0.0
                 if LOCAL:
-                    drag = local_damping * (abs(f) if v > 0.0 else (-abs(f) if v < 0.0 else 0.0))
+                    drag = local_damping * abs(f) * direction(v)
                 w = (keep * v if GLOBAL else v) + (push if GLOBAL else time_step) * (f - drag) * inverse_mass[
                     i
                 ]
@@ -155,7 +160,7 @@ def move(
                 if free:
                     drag = 0.0
                     if LOCAL:
-                        drag = local_damping * (abs(f) if v > 0.0 else (-abs(f) if v < 0.0 else 0.0))
+                        drag = local_damping * abs(f) * direction(v)
                     w = (keep * v if GLOBAL else v) + (push if GLOBAL else time_step) * (
                         f - drag
                     ) * inverse_inertia[i]

@@ -18,6 +18,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 # What a scene may lack; set by the module that the kernel is compiled in.
 SPACE = True  # spheres in 3D, not discs in 2D
 BONDS = True
@@ -156,9 +158,13 @@ def pairs(
     """
     contacts = 0.0
     thrust = 0.0
-    for p in range(first, last):
-        a = int(pair_a[p])
-        b = int(pair_b[p])
+    # an index without a sign saves the question whether it counts from the end
+    for pair in range(first, last):
+        p = np.uint64(pair)
+        a = np.uint64(pair_a[p])
+        b = np.uint64(pair_b[p])
+        own_a = int(pair_a[p]) - base
+        own_b = int(pair_b[p]) - base
         dx = now[b, 0] - now[a, 0]
         dy = now[b, 1] - now[a, 1]
         square = dx * dx + dy * dy
@@ -179,8 +185,8 @@ def pairs(
         if REACH and touched:
             limit = zero + contact_reach(contact_parameters(table, row), radius_a, radius_b)
             touch = square < limit * limit
-        mine = base <= a < base + size
-        both = mine and base <= b < base + size
+        mine = 0 <= own_a < size
+        both = mine and 0 <= own_b < size
         if touch or number > 0:
             distance = math.sqrt(square)
             inverse = 1.0 / distance
@@ -297,7 +303,8 @@ def pairs(
                     bend_z, radius_a, radius_b, distance, mass_a, mass_b, time_step, held,
                 )  # fmt: skip
                 store_contact(history, p, held)
-                touching[p] = 1
+                if not touched:
+                    touching[p] = 1
                 normal += normal_c
                 shear_x += shear_cx
                 shear_y += shear_cy
@@ -357,31 +364,31 @@ def pairs(
                 my = bending_y + twisting * ny if MOMENT else 0.0
                 mz = bending_z + twisting * nz if MOMENT else 0.0
                 if mine:
-                    force[a - base, 0] += fx
-                    force[a - base, 1] += fy
-                    force[a - base, 2] += fz
-                    force[a - base, 3] += arm_a * tx + mx
-                    force[a - base, 4] += arm_a * ty + my
-                    force[a - base, 5] += arm_a * tz + mz
+                    force[own_a, 0] += fx
+                    force[own_a, 1] += fy
+                    force[own_a, 2] += fz
+                    force[own_a, 3] += arm_a * tx + mx
+                    force[own_a, 4] += arm_a * ty + my
+                    force[own_a, 5] += arm_a * tz + mz
                 if both or not mine:
-                    force[b - base, 0] -= fx
-                    force[b - base, 1] -= fy
-                    force[b - base, 2] -= fz
-                    force[b - base, 3] += arm_b * tx - mx
-                    force[b - base, 4] += arm_b * ty - my
-                    force[b - base, 5] += arm_b * tz - mz
+                    force[own_b, 0] -= fx
+                    force[own_b, 1] -= fy
+                    force[own_b, 2] -= fz
+                    force[own_b, 3] += arm_b * tx - mx
+                    force[own_b, 4] += arm_b * ty - my
+                    force[own_b, 5] += arm_b * tz - mz
             else:
                 fx = -normal * nx - shear_x * ny
                 fy = -normal * ny + shear_x * nx
                 mz = bending_x if MOMENT else 0.0
                 if mine:
-                    force[a - base, 0] += fx
-                    force[a - base, 1] += fy
-                    force[a - base, 2] += arm_a * shear_x + mz
+                    force[own_a, 0] += fx
+                    force[own_a, 1] += fy
+                    force[own_a, 2] += arm_a * shear_x + mz
                 if both or not mine:
-                    force[b - base, 0] -= fx
-                    force[b - base, 1] -= fy
-                    force[b - base, 2] += arm_b * shear_x - mz
+                    force[own_b, 0] -= fx
+                    force[own_b, 1] -= fy
+                    force[own_b, 2] += arm_b * shear_x - mz
             weight = 1.0 if both else 0.5
             contacts += weight
             thrust += weight * abs(normal)

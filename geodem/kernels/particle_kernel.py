@@ -127,7 +127,7 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
     if blocked:
         adapters += [source(f) for f in blocks.INLINED]
         loops += blocks.FUNCTIONS
-    loops += [motion.turn, motion.move, steps.step_chunk, steps.advance]
+    loops += [motion.direction, motion.turn, motion.move, steps.step_chunk, steps.advance]
     return compile_kernel(
         loops,
         _constants(features, contact, bond),
