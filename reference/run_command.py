@@ -6,12 +6,13 @@ import argparse
 import sys
 from types import ModuleType
 
-from .problems import ground, lattice, published_slopes, timestep
+from .problems import dice2d, ground, lattice, published_slopes, timestep
 from .results_file import store_rows
 
 HELP = "run a group of problems, print every figure beside its bound, store the rows; exit status 0 if all are good"
 
 PROBLEMS: dict[str, ModuleType] = {
+    "dice2d": dice2d,
     "ground": ground,
     "lattice": lattice,
     "slopes": published_slopes,
