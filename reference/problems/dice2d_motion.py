@@ -79,7 +79,6 @@ def rigid_pendulum(when: float) -> float:
     """Height of the mass of a rigid pendulum let go where it is level [m]; exact (Jacobi's elliptic functions)."""
     m = 0.5  # sin^2 of half the amplitude of 90 degrees
     omega = math.sqrt(GRAVITY / LENGTH)
-    _, cn, dn, _ = ellipj(float(ellipk(m)) - omega * when, m)
     sine_half = math.sqrt(m) * ellipj(float(ellipk(m)) - omega * when, m)[0]
     return -LENGTH * (1.0 - 2.0 * float(sine_half) ** 2)
 
@@ -284,12 +283,13 @@ def sliding() -> list[Row]:
         slips = math.acos(1.0 - stretch * omega**2 / down) / omega
         first = down / omega * math.sin(omega * slips)
         left = simulation.time - slips
+        ahead = stretch + first * left + 0.5 * rate * left**2
         name = f"9 sliding disc, {label}"
         acceleration = (speed - half_speed) / (simulation.time - half_time)
         bound = 0.015 if stiffness == 1e8 else 1e-3
         rows += [
             relative(name, "acceleration [m/s2]", acceleration, rate, 1e-3, seconds),
-            relative(name, "distance, spring and eq. 1.58 [m]", found, stretch + first * left + 0.5 * rate * left**2, 1e-3, seconds),
+            relative(name, "distance, spring and eq. 1.58 [m]", found, ahead, 1e-3, seconds),
             relative(name, "distance, eq. 1.58 [m]", found, 0.5 * rate * simulation.time**2, bound, seconds),
             _imbalance(name, simulation, 2e-3, seconds),
         ]  # fmt: skip
