@@ -74,7 +74,7 @@ transport_bond: Any = None
 
 
 def account(
-    history, p, born, stored, approach, slip_x, slip_y, slip_z, twist, bend_x, bend_y, bend_z, overlap,
+    history, p, stored, approach, slip_x, slip_y, slip_z, twist, bend_x, bend_y, bend_z, overlap,
     normal, shear_x, shear_y, shear_z, twisting, bending_x, bending_y, bending_z, damp, drag_x, drag_y, drag_z,
 ):  # fmt: skip
     """Energy of one contact in one step, from the means of the old and the new forces.
@@ -86,13 +86,13 @@ def account(
     heat : float
         Work done on its dashpots [J].
     """
-    # a contact is born inside the step, when its overlap was zero
-    gained = overlap if born else approach
+    # from the places, not from velocities: the normal turns within the step, and a contact is born inside it
+    gained = overlap - history[p, STORED + 6]
     work = (
         0.5 * (normal + history[p, STORED + 1]) * gained + 0.5 * (shear_x + history[p, STORED + 2]) * slip_x
     )
     work += 0.5 * (bending_x + history[p, STORED + 3]) * bend_x
-    heat = 0.5 * (damp + history[p, STORED + 4]) * gained + 0.5 * (drag_x + history[p, STORED + 5]) * slip_x
+    heat = 0.5 * (damp + history[p, STORED + 4]) * approach + 0.5 * (drag_x + history[p, STORED + 5]) * slip_x
     if SPACE:
         work += (
             0.5 * (shear_y + history[p, STORED + 7]) * slip_y
@@ -329,7 +329,7 @@ def pairs(
                 store_contact(history, p, no_contact())
             if ENERGY:
                 lost, heat = account(
-                    history, p, not touched and bonded == 0, stored, approach, slip_x, slip_y, slip_z, twist,
+                    history, p, stored, approach, slip_x, slip_y, slip_z, twist,
                     bend_x, bend_y, bend_z, overlap, normal, shear_x, shear_y, shear_z, twisting, bending_x,
                     bending_y, bending_z, damp, drag_x, drag_y, drag_z,
                 )  # fmt: skip

@@ -245,7 +245,7 @@ def wall_forces(
             if ENERGY:
                 stored = wall_energy(parameters, overlap, radius, RIGID * radius, distance, held)
                 lost, heat = account(
-                    history, p, touching[p] == 0, stored, approach, slip_x, slip_y, slip_z, twist,
+                    history, p, stored, approach, slip_x, slip_y, slip_z, twist,
                     bend_x, bend_y, bend_z, overlap, press, shear_x, shear_y, shear_z, twisting, bending_x,
                     bending_y, bending_z, damp, drag_x, drag_y, drag_z,
                 )  # fmt: skip
