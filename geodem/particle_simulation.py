@@ -199,7 +199,8 @@ class ParticleSimulation:
         self.utilisation = np.zeros((max(bonds, 1), 2))
         self.bond_scale = np.ascontiguousarray(assembly.bond_scale) if bonds else np.ones(1)
         chunks = (n + self.chunk - 1) // self.chunk
-        self.sums = np.zeros((chunks, 16))
+        self.sums = np.zeros((chunks, 17))
+        self.wall_sums = np.zeros((chunks, max(len(assembly.walls), 1), assembly.held.shape[1]))
         self.force = np.zeros((n, assembly.held.shape[1]))
         self.asleep = np.zeros(chunks, dtype=np.uint8)
         self.quiet = np.zeros(chunks, dtype=np.int64)
@@ -328,13 +329,24 @@ class ParticleSimulation:
         self.moved = 0.0
         self.carried = 0.0
         if self.sleep is not None:
-            self._wake_all()
             self._around = _chunks_around(self.pairs)
 
     _old_row_of_new: NDArray[np.int64] | None = None
     _sorted_pairs: int = 0
     order_kept: bool = False
     """Rows are not sorted anew while others hold arrays by row."""
+
+    def wake_all(self) -> None:
+        """Wake every sleeping part; to be called when something from outside has changed."""
+        sleeping = np.flatnonzero(self.asleep)
+        if len(sleeping):
+            p = self.pairs
+            for chunk in sleeping:
+                self.kernel(self.features).take_over(
+                    chunk, self.chunk, p.start, p.a, p.b, p.bond, p.touching, p.history, self.asleep
+                )
+                self.asleep[chunk] = 0
+        self.quiet[:] = 0
 
     def search(self, *, sort: bool | None = None) -> None:
         """Make the pair list anew; rows are sorted where they have lost their order (or `sort` says so)."""
@@ -358,6 +370,7 @@ class ParticleSimulation:
             self.force = np.ascontiguousarray(self.force[order])
             if len(self.angle) == len(order):
                 self.angle = np.ascontiguousarray(self.angle[order])
+        self.wake_all()
         self.pairs = rebuild(
             self.now, self.arrays.ids, self.pairs, self._old_row_of_new, new_of_old, chunk=self.chunk,
             buffer=self.buffer, dimension=self.dimension, history_width=self.layout.width,
@@ -513,9 +526,6 @@ class ParticleSimulation:
     ) -> tuple[Any, ...]:
         """Arguments of `geodem.kernels.steps.advance`."""
         p, w, t, rows = self.pairs, self.wall_pairs, self.walls, self.arrays
-        freedoms = self.assembly.held.shape[1]
-        bodies = len(t.bodies)
-        wall_sums = np.zeros((len(self.sums), max(bodies, 1), freedoms))
         around, neighbour = self._around
         sleep = self.sleep or Sleep(0.0, 0)
         return (
@@ -523,7 +533,7 @@ class ParticleSimulation:
             self.table, self.bond_table, self.bond_scale, inverse_mass, inverse_inertia, self.assembly.gravity,
             rows.applied, rows.held, rows.anchor_of, self.anchors, self.angle,
             w.start, w.particle, w.primitive, w.touching, w.history, w.normal, w.geometry, w.feature,
-            t.shape, t.kind, t.body, t.vertex, t.bodies, self.wall_parameters, wall_sums,
+            t.shape, t.kind, t.body, t.vertex, t.bodies, self.wall_parameters, self.wall_sums,
             float(time_step), self.steps, float(breaking), float(self.local_damping), float(global_damping),
             float(damping_ratio), old_force, self.utilisation, self.record, self.sums, self.force,
             float(self.buffer - self.moved - self.carried), self.asleep, self.quiet, around, neighbour,
@@ -531,10 +541,6 @@ class ParticleSimulation:
         )  # fmt: skip
 
     _around: tuple[NDArray[np.int64], NDArray[np.int64]] = (np.zeros(1, np.int64), np.zeros(1, np.int64))
-
-    def _wake_all(self) -> None:
-        self.asleep[:] = 0
-        self.quiet[:] = 0
 
     def _unstable(self) -> UnstableError:
         lost = np.flatnonzero(~np.isfinite(self.now).all(axis=1))

@@ -24,8 +24,10 @@ LOCAL = True
 GLOBAL = True
 RELAX = True
 ENERGY = True
+SLEEP = True
 
 # Columns of the rows: 3D (2D).
+RADIUS = 3  # (2)
 VELOCITY = 4  # (4)
 MASS = 7  # (7)
 SPIN = 8  # (6)
@@ -48,6 +50,7 @@ DAMPING = 12
 DRIVEN = 13  # work of held freedoms that move
 GRAVITATION = 14
 FORCING = 15  # work of applied forces
+ROLLING = 16  # largest speed of a surface by spin, where SLEEP [m/s]
 
 
 def direction(velocity):
@@ -64,13 +67,14 @@ def move(
     force (size, 3 or 6) [N, N m]: of contacts and walls; the resultant is left in it. inverse_mass,
     inverse_inertia (n,); gravity (d,); applied (n, 3 or 6); held (n,) uint8: bit k holds freedom k; anchor_of (n,)
     int32: row of anchors (k, d + 2) or -1; angle (n, 1 or 4): angle or quaternion; old_force (n, 3 or 6) [N, N m],
-    updated where RELAX; sums (16,), see the columns above.
+    updated where RELAX; sums (17,), see the columns above.
     """
     space = 3 if SPACE else 2
     turns = 3 if SPACE else 1
     keep = (1.0 - 0.5 * global_damping * time_step) / (1.0 + 0.5 * global_damping * time_step)
     push = time_step / (1.0 + 0.5 * global_damping * time_step)
     fastest = 0.0
+    turning = 0.0
     unbalanced = 0.0
     kinetic = 0.0
     softening = 0.0
@@ -175,6 +179,8 @@ def move(
                 elif ENERGY:
                     driven -= (f - given) * v * time_step
                 following[i, SPIN + axis] = w
+                if SLEEP:
+                    turning = max(turning, (w * now[i, RADIUS]) ** 2)
             if ORIENTATION:
                 if SPACE:
                     turn(
@@ -188,6 +194,8 @@ def move(
                 else:
                     angle[i, 0] += following[i, SPIN] * time_step
     sums[FASTEST] = math.sqrt(fastest)
+    if SLEEP:
+        sums[ROLLING] = math.sqrt(turning)
     sums[UNBALANCED] = unbalanced
     if RELAX:
         sums[SOFTENING] = softening

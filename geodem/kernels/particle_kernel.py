@@ -10,7 +10,7 @@ from typing import Any
 from .._jit import compile_kernel
 from ..laws import BOND_LAWS, CONTACT_LAWS
 from ..laws.protocol import constants as law_constants
-from . import blocks, motion, pairs, steps, wall_geometry, wall_motion, walls
+from . import blocks, motion, pairs, sleep, steps, wall_geometry, wall_motion, walls
 from .adapters import (
     HistoryLayout,
     asked_names,
@@ -127,6 +127,10 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
     if blocked:
         adapters += [source(f) for f in blocks.INLINED]
         loops += blocks.FUNCTIONS
+    if features.sleep:
+        loops += sleep.FUNCTIONS
+    else:
+        adapters += ["sleep_and_wake = None"]
     loops += [motion.direction, motion.turn, motion.move, steps.step_chunk, steps.advance]
     return compile_kernel(
         loops,
@@ -150,7 +154,7 @@ def _constants(features: Features, contact: ModuleType, bond: ModuleType | None)
     return {
         **law_constants(contact, features.dimension),
         **({} if bond is None else law_constants(bond, features.dimension)),
-        **module_constants(pairs, motion, steps, wall_geometry, blocks),
+        **module_constants(pairs, motion, sleep, steps, wall_geometry, blocks),
         "SPHERES": space,
         "SPACE": space,
         "BONDS": bond is not None,

@@ -27,6 +27,7 @@ prange = range
 wall_forces: Any = None  # of the scene's dimension
 gather_wall_forces: Any = None
 move_walls: Any = None
+sleep_and_wake: Any = None
 
 WALLS = True
 RELAX = True
@@ -88,7 +89,7 @@ def advance(
 ):  # fmt: skip
     """Up to `steps` steps; fewer where particles may have moved farther than the pair list allows.
 
-    rows (2, n, 8 or 12), phase: which of the two holds the present; sums (chunks, 16); allowance [m]: how far particles
+    rows (2, n, 8 or 12), phase: which of the two holds the present; sums (chunks, 17); allowance [m]: how far particles
     and walls may still move together; global_damping, damping_ratio: where RELAX, the damping of the first step and its
     share of the critical one of the lowest frequency in motion.
     Sleep: asleep (chunks,) uint8, quiet (chunks,) steps that a chunk and all around it have been slower than
@@ -138,6 +139,11 @@ def advance(
             if inertia > 0.0:
                 square = min(max(softening / inertia, 0.0), 1.0)
                 global_damping = 2.0 * damping_ratio * np.sqrt(square)
+        if SLEEP:
+            sleep_and_wake(
+                chunk_size, rows, present, sums, asleep, quiet, neighbour_start, neighbour, sleep_speed, sleep_steps,
+                pair_start, pair_a, pair_b, pair_bond, touching, history, wall_start, wall_primitive, body, bodies,
+            )  # fmt: skip
         # not "moved > allowance": a motion that is no number must stop the run too
         if not (moved + carried <= allowance):
             return done + 1, moved, carried, global_damping

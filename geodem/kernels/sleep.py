@@ -1,0 +1,101 @@
+"""Chunks at rest are skipped: when they fall asleep, and what wakes them.
+
+Serial, and only where a scene asks for it; compiled in a generated module like `geodem.kernels.pairs`. A chunk falls
+asleep when it and all chunks that share pairs with it have been slow for some steps, and no wall that moves is near.
+It wakes when one of those chunks gets fast. While it sleeps, pairs with its neighbours are followed by the
+neighbours alone; when it wakes it takes over what they remember.
+"""
+
+from __future__ import annotations
+
+# Columns, as in pairs, motion and wall_geometry.
+VELOCITY = 4
+SPIN = 8
+FASTEST = 0
+UNBALANCED = 1
+KINETIC = 4
+INERTIA = 6
+ROLLING = 16
+BODY_VELOCITY = 3
+BODY_SPIN = 15
+BODY_GAIN = 33
+SPACE = True
+
+
+def near_moving_wall(chunk, wall_start, wall_primitive, body, bodies):
+    """Whether a wall that moves, or may move, is listed for the chunk."""
+    for p in range(wall_start[chunk], wall_start[chunk + 1]):
+        owner = int(body[wall_primitive[p]])
+        if bodies[owner, BODY_GAIN] > 0.0:
+            return True
+        for axis in range(3):
+            if bodies[owner, BODY_VELOCITY + axis] != 0.0 or bodies[owner, BODY_SPIN + axis] != 0.0:
+                return True
+    return False
+
+
+def take_over(chunk, chunk_size, pair_start, pair_a, pair_b, pair_bond, touching, history, asleep):
+    """Copy what awake neighbours remember of the pairs across to the pairs of a chunk that slept."""
+    for p in range(pair_start[chunk], pair_start[chunk + 1]):
+        other = int(pair_a[p]) // chunk_size
+        if other == chunk:
+            other = int(pair_b[p]) // chunk_size
+        if other == chunk or asleep[other] != 0:
+            continue
+        for q in range(pair_start[other], pair_start[other + 1]):
+            if pair_a[q] == pair_a[p] and pair_b[q] == pair_b[p]:
+                pair_bond[p] = pair_bond[q]
+                touching[p] = touching[q]
+                for column in range(history.shape[1]):
+                    history[p, column] = history[q, column]
+                break
+
+
+def rest(chunk, chunk_size, rows, present, sums):
+    """A chunk falls asleep: its particles stand still, in both sets of rows."""
+    base = chunk * chunk_size
+    for i in range(base, min(base + chunk_size, rows.shape[1])):
+        for column in range(rows.shape[2]):
+            rows[present, i, column] = rows[1 - present, i, column]
+        for axis in range(3 if SPACE else 2):
+            rows[0, i, VELOCITY + axis] = 0.0
+            rows[1, i, VELOCITY + axis] = 0.0
+        for axis in range(3 if SPACE else 1):
+            rows[0, i, SPIN + axis] = 0.0
+            rows[1, i, SPIN + axis] = 0.0
+    sums[chunk, FASTEST] = 0.0
+    sums[chunk, ROLLING] = 0.0
+    sums[chunk, KINETIC] = 0.0
+    sums[chunk, INERTIA] = 0.0
+
+
+def sleep_and_wake(
+    chunk_size, rows, present, sums, asleep, quiet, neighbour_start, neighbour, sleep_speed, sleep_steps,
+    pair_start, pair_a, pair_b, pair_bond, touching, history, wall_start, wall_primitive, body, bodies,
+):  # fmt: skip
+    """After a step from rows[present]: who falls asleep, who wakes."""
+    chunks = len(asleep)
+    for chunk in range(chunks):
+        if asleep[chunk] == 0:
+            slow = sums[chunk, FASTEST] < sleep_speed and sums[chunk, ROLLING] < sleep_speed
+            quiet[chunk] = quiet[chunk] + 1 if slow else 0
+    for chunk in range(chunks):
+        if asleep[chunk] == 0:
+            still = quiet[chunk] >= sleep_steps
+            for k in range(neighbour_start[chunk], neighbour_start[chunk + 1]):
+                still = still and (asleep[neighbour[k]] != 0 or quiet[neighbour[k]] >= sleep_steps)
+            if still and not near_moving_wall(chunk, wall_start, wall_primitive, body, bodies):
+                asleep[chunk] = 1
+                rest(chunk, chunk_size, rows, present, sums)
+        else:
+            called = False
+            for k in range(neighbour_start[chunk], neighbour_start[chunk + 1]):
+                called = called or (asleep[neighbour[k]] == 0 and quiet[neighbour[k]] == 0)
+            if called:
+                take_over(chunk, chunk_size, pair_start, pair_a, pair_b, pair_bond, touching, history, asleep)
+                asleep[chunk] = 0
+                quiet[chunk] = 0
+
+
+FUNCTIONS = (near_moving_wall, take_over, rest, sleep_and_wake)
+"""Functions to compile, callees first."""
