@@ -48,7 +48,7 @@ def _builder(angle: float, strength: float, cohesion: float, viscosity: float) -
 
 def _simulation(builder: AssemblyBuilder) -> ParticleSimulation:
     step = book_step(0.1, disc_mass(1000.0), 1e8, 1e8)
-    return ParticleSimulation(builder.build(), time_step=step, energy=True)
+    return ParticleSimulation(builder.build(), time_step=step, energy=True, buffer=5.0)
 
 
 def rock_fall() -> ParticleSimulation:
@@ -56,7 +56,7 @@ def rock_fall() -> ParticleSimulation:
     builder = _builder(0.0, 1.0, 1.0, 1e-2)
     tower = builder.add_particles([(0.0, RADIUS * (2 * k + 1)) for k in range(11)], RADIUS, "rock")
     builder.bond([(k, k + 1) for k in tower[:-1]])
-    along = 60.0
+    along = 25.0
     # touching the slope; in the corner the centre is r tan(45/2) from it along the slope
     reach = along + BOULDER * math.tan(math.radians(22.5))
     down = math.sqrt(0.5)

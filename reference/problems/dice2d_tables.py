@@ -1,8 +1,8 @@
 """What DICE2D's twelve examples have in common: size of a disc, its time step, its gravity.
 
 Source: Zhao (2015), High Performance Computing and the Discrete Element Model, section 1.5, tables 1.2 to 1.12. The
-drawings and some lengths are not in the text. Its "mean particle size" is taken as the radius: only then do the
-80,000 steps of the pendulum last 17.9 s and turn it by more than 180 degrees, as the text says (half a period is 11.7 s).
+drawings and some lengths are not in the text. Its "mean particle size" is taken as the radius: only then do
+the 80,000 steps of the pendulum last 17.9 s and turn it by more than 180 degrees (11.7 s), as the text says.
 Strengths, stiffnesses and masses are those of discs, per metre of depth.
 """
 
