@@ -416,6 +416,9 @@ class ParticleSimulation:
         self.begin_stage(moving=True)
         left = steps
         while left > 0:
+            # rows may be sorted anew here: before inverse masses by row are handed over
+            if not self.moved + self.carried <= self.buffer:
+                self._look()
             done, _ = self.batch(
                 kernel, min(left, BATCH), self.time_step, 1.0, self.arrays.inverse_mass,
                 self.arrays.inverse_inertia, self.global_damping, 0.0, _NOTHING,
