@@ -1,0 +1,108 @@
+"""Discs and spheres in motion: what is conserved, what the account says, what is refused."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from geodem.builders.assembly_builder import AssemblyBuilder
+from geodem.errors import InputError
+from geodem.particle_simulation import ParticleSimulation
+
+CONTACT = {"normal_stiffness": 1e5, "shear_stiffness": 5e4, "friction_coefficient": 0.5}
+
+
+def cloud(dimension, side, *, law="linear_frictional", **more):
+    """Particles on a loose grid that fly at random."""
+    rng = np.random.default_rng(7)
+    builder = AssemblyBuilder(dimension, law)
+    builder.add_material("m", density=2000.0, contact={**CONTACT, **more})
+    grid = np.stack(np.meshgrid(*[np.arange(side)] * dimension, indexing="ij"), -1).reshape(-1, dimension)
+    radii = rng.uniform(0.0085, 0.0099, len(grid))
+    speed = rng.uniform(-1.0, 1.0, (len(grid), dimension))
+    builder.add_particles(0.02 * grid, radii, "m", velocity=speed)
+    return builder.build()
+
+
+def momenta(simulation):
+    """Linear and angular momentum, and how large their parts are."""
+    s, a = simulation, simulation.assembly
+    # velocities are half a step old: place and velocity at one time
+    places = s.positions - 0.5 * s.time_step * s.velocities
+    carried = a.mass[:, None] * s.velocities
+    if s.dimension == 2:
+        moment = places[:, 0] * carried[:, 1] - places[:, 1] * carried[:, 0] + a.inertia * s.spins[:, 0]
+    else:
+        moment = np.cross(places, carried) + a.inertia[:, None] * s.spins
+    return carried.sum(0), moment.sum(0), np.abs(carried).sum(), np.abs(moment).sum()
+
+
+@pytest.mark.parametrize(("dimension", "side"), [(2, 12), (3, 8)])
+def test_free_collisions_conserve_both_momenta(dimension, side):
+    simulation = ParticleSimulation(cloud(dimension, side))
+    simulation.run(1)
+    linear, angular, size, turning = momenta(simulation)
+    simulation.run(400)
+    linear_now, angular_now, _, _ = momenta(simulation)
+    # most have met somebody and spin since
+    assert (np.abs(simulation.spins).max(axis=1) > 0.1).mean() > 0.3
+    assert np.abs(linear_now - linear).max() < 1e-13 * size
+    assert np.abs(angular_now - angular).max() < 1e-12 * turning
+
+
+def test_same_motion_of_both_kernels():
+    """The loop over blocks and the one over pairs; the energy account chooses the latter."""
+    blocked = ParticleSimulation(cloud(3, 8))
+    scalar = ParticleSimulation(cloud(3, 8), energy=True)
+    assert blocked.features.blocked
+    assert not scalar.features.blocked
+    blocked.run(50)
+    scalar.run(50)
+    assert np.abs(blocked.positions - scalar.positions).max() < 1e-10 * 0.01
+    assert np.abs(blocked.velocities - scalar.velocities).max() < 1e-10
+    assert np.abs(blocked.spins - scalar.spins).max() < 1e-8
+
+
+@pytest.mark.parametrize(
+    ("options", "place"),
+    [
+        ({"time_step": 1.0}, "time_step"),
+        ({"time_step": -1e-6}, "time_step"),
+        ({"time_step": math.nan}, "time_step"),
+        ({"local_damping": 1.0}, "local_damping"),
+        ({"local_damping": -0.1}, "local_damping"),
+        ({"global_damping": math.inf}, "global_damping"),
+        ({"stiffness_damping": -1.0}, "stiffness_damping"),
+        ({"buffer": 0.0}, "buffer"),
+    ],
+)
+def test_bad_input_is_refused_before_the_first_step(options, place):
+    with pytest.raises(InputError, match=place):
+        ParticleSimulation(cloud(2, 2), **options)
+
+
+def test_step_above_the_critical_one_is_refused_with_the_number():
+    simulation = ParticleSimulation(cloud(2, 2))
+    with pytest.raises(InputError, match=f"{simulation.critical_time_step:.6g}"):
+        ParticleSimulation(cloud(2, 2), time_step=1.01 * simulation.critical_time_step)
+
+
+def test_steps_backwards_are_refused():
+    with pytest.raises(InputError, match="steps"):
+        ParticleSimulation(cloud(2, 2)).run(-1)
+
+
+def test_account_closes_as_the_square_of_the_step():
+    found = []
+    for share in (0.1, 0.05):
+        critical = ParticleSimulation(cloud(2, 12)).critical_time_step
+        simulation = ParticleSimulation(cloud(2, 12), energy=True, time_step=share * critical)
+        simulation.run(round(400 / share))
+        account = simulation.energy()
+        assert account.friction > 0.3 * account.supplied
+        found.append(abs(account.imbalance))
+    assert found[0] < 4e-3
+    assert found[1] < 1e-3
+    assert found[0] > 3.0 * found[1]
