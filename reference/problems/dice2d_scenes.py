@@ -2,7 +2,7 @@
 
 The drawings of both scenes are lost; they are rebuilt from the text, and this much is assumed. Rock fall: the
 mean radius of 11.66 m of 12 discs leaves a boulder of 30 m beside eleven discs of 10 m; these are one column, and the
-slope has 45 degrees. "Strength zero" is 1 N. Beam: 100 and 98 discs are four layers of 25, and of 25 and 24 in turn;
+slope, 25 m of it up to the corner, has 45 degrees. "Strength zero" is 1 N. Beam: 100 and 98 discs are four layers of 25, and of 25 and 24 in turn;
 the beam comes down at 150 m/s on the edge of a rigid block (bonds of the table need some 0.5 of strain to break).
 """
 
@@ -125,7 +125,7 @@ def draw(folder: Path) -> None:
     )
     scenes = [beam("square"), beam("triangular")]
     window = ((-330, 330), (-330, 130))
-    _frames(scenes, [BLOCK, BLOCK], (0, 60, 150, 300), window, folder / "dice2d_beam_collision.png")
+    _frames(scenes, [BLOCK, BLOCK], (0, 30, 80, 160), window, folder / "dice2d_beam_collision.png")
 
 
 def _frames(
@@ -165,4 +165,4 @@ def _frames(
             axis.plot(*np.array(wall).T, color="black", linewidth=1.2)
             axis.set(xlim=(left, right), ylim=(low, high), aspect="equal", xticks=[], yticks=[])
             axis.set_title(f"{simulation.time:.2f} s", fontsize=8)
-    figure.savefig(path, dpi=90)
+    figure.savefig(path, dpi=80)
