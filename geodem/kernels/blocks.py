@@ -4,7 +4,7 @@ A processor works on four or eight pairs at once where nothing branches between 
 gathered into a small block that stays in its first cache, the law runs over the whole block in one loop without
 branches, and a last loop adds up the forces. Always all lanes of a block are computed (the ones that are not filled
 repeat the first), so that every pair meets the same instructions wherever it stands. Measured against the loop
-over single pairs: 1.6 to 1.7 times as fast in 3D; in 2D, where a pair costs little, it does not pay.
+over single pairs: 1.45 times as fast in 3D; in 2D, where a pair costs little, it does not pay.
 
 Bonds first, contacts after: a bond that breaks hands its shear force over to the contact within the same step.
 """
@@ -402,7 +402,7 @@ def pairs(
     first, last, base, size, now, pair_a, pair_b, pair_bond, touching, history, table, bond_table, bond_scale,
     time_step, step, breaking, force, energy, utilisation, record,
 ):  # fmt: skip
-    """As `geodem.kernels.pairs.pairs`, without the energy account; force has SPARE rows more than the chunk particles."""
+    """As `geodem.kernels.pairs.pairs`, without the energy account; force has SPARE rows more than the chunk has."""
     # rows a little longer than their lanes, so that a lane's rows do not fall into the same few lines of the cache
     block = np.empty((HEIGHT, LANES + 8))
     place = np.empty(LANES, np.uint32)
