@@ -128,7 +128,7 @@ def pendulum(steps: int = 80_000) -> list[Row]:
             1e-6,
             seconds,
         ),
-        Row(name, "energy, over m g L [J]", left, 0.0, left / (mass * GRAVITY * LENGTH), 1e-9, seconds),
+        Row(name, "energy, over m g L [J]", left, 0.0, left / (mass * GRAVITY * LENGTH), 1e-8, seconds),
     ]
     started = time.perf_counter()
     soft, when = 1e4, 8.0

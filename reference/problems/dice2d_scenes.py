@@ -1,9 +1,10 @@
 """DICE2D's examples of many discs: rock fall (1.5.11) and beam collision (1.5.12).
 
 The drawings of both scenes are lost; they are rebuilt from the text, and this much is assumed. Rock fall: the
-mean radius of 11.66 m of 12 discs leaves a boulder of 30 m beside eleven discs of 10 m; these are one column, and the
-slope, 25 m of it up to the corner, has 45 degrees. "Strength zero" is 1 N. Beam: 100 and 98 discs are four layers of 25, and of 25 and 24 in turn;
-the beam comes down at 150 m/s on the edge of a rigid block (bonds of the table need some 0.5 of strain to break).
+mean radius of 11.66 m of 12 discs leaves a boulder of 30 m beside eleven discs of 10 m; these are one column, and
+the slope, 25 m of it up to the corner, has 45 degrees. "Strength zero" is 1 N. Beam: 100 and 98 discs are four layers
+of 25, and of 25 and 24 in turn; the beam comes down at 150 m/s on a rigid block (bonds of the table break at a
+strain of 0.5).
 """
 
 from __future__ import annotations
