@@ -338,15 +338,17 @@ class ParticleSimulation:
 
     def wake_all(self) -> None:
         """Wake every sleeping part; to be called when something from outside has changed."""
-        sleeping = np.flatnonzero(self.asleep)
-        if len(sleeping):
-            p = self.pairs
-            for chunk in sleeping:
-                self.kernel(self.features).take_over(
-                    chunk, self.chunk, p.start, p.a, p.b, p.bond, p.touching, p.history, self.asleep
-                )
-                self.asleep[chunk] = 0
+        self._remind_sleepers()
+        self.asleep[:] = 0
         self.quiet[:] = 0
+
+    def _remind_sleepers(self) -> None:
+        """Sleeping chunks take over what their awake neighbours remember of the pairs across."""
+        p = self.pairs
+        for chunk in np.flatnonzero(self.asleep):
+            self.kernel(self.features).take_over(
+                chunk, self.chunk, p.start, p.a, p.b, p.bond, p.touching, p.history, self.asleep
+            )
 
     def search(self, *, sort: bool | None = None) -> None:
         """Make the pair list anew; rows are sorted where they have lost their order (or `sort` says so)."""
@@ -370,7 +372,10 @@ class ParticleSimulation:
             self.force = np.ascontiguousarray(self.force[order])
             if len(self.angle) == len(order):
                 self.angle = np.ascontiguousarray(self.angle[order])
-        self.wake_all()
+        if sort:
+            self.wake_all()
+        else:
+            self._remind_sleepers()
         self.pairs = rebuild(
             self.now, self.arrays.ids, self.pairs, self._old_row_of_new, new_of_old, chunk=self.chunk,
             buffer=self.buffer, dimension=self.dimension, history_width=self.layout.width,
