@@ -96,6 +96,8 @@ def _wall_links(s: ParticleSimulation) -> Links:
         contact, d, s.wall_parameters[row], radius_a=radius, radius_b=1e15 * radius, distance=radius,
         overlap=np.zeros(len(radius)),
     )  # fmt: skip
+    if not s.features.shear:
+        stiffness[:, 1] = 0.0
     normal = _wall_normals(s, particle, w.primitive)
     return links(particle, RIGID, normal, np.stack([radius, 0.0 * radius], axis=1), *stiffness.T)
 

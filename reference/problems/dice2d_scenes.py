@@ -157,7 +157,7 @@ def _frames(
                 )
             )  # fmt: skip
             intact = simulation.intact()
-            axis.add_collection(LineCollection(places[bonds[intact]], colors="#1b4f72", linewidths=0.8))
+            axis.add_collection(LineCollection(list(places[bonds[intact]]), colors="#1b4f72", linewidths=0.8))
             # a broken bond is drawn while its discs are still near
             near = np.linalg.norm(places[bonds[:, 0]] - places[bonds[:, 1]], axis=1) < 6.0 * RADIUS
             axis.add_collection(
