@@ -15,6 +15,8 @@ from collections.abc import Callable, Sequence
 from types import FunctionType, ModuleType
 from typing import Any, NamedTuple
 
+from .blocks import HISTORY_SLOT
+
 FORWARD = ("overlap", "approach", "slip_x", "slip_y", "slip_z", "twist", "bend_x", "bend_y", "bend_z")
 SIZES = ("radius_a", "radius_b", "distance")
 BODIES = ("mass_a", "mass_b", "time_step")
@@ -163,19 +165,26 @@ def _store(name: str, history: Sequence[str], first: int) -> list[str]:
 
 def _lane(name: str, history: Sequence[str], first: int) -> list[str]:
     """A lane of a block as the law wants it, and its way from and to the history of a pair."""
-    rows = [f"block[HISTORY + {k}, lane]" for k in range(len(history))]
+    slots = [HISTORY_SLOT + k for k in range(len(history))]
+    fours = (HISTORY_SLOT + len(history)) // 4 * 4
+    before = [
+        f"block[{s // 4 * 4} * LANES + 4 * lane + {s % 4}]" if s < fours else f"block[{s} * LANES + lane]"
+        for s in slots
+    ]
+    after = [f"block[AFTER + {k} * LANES + lane]" for k in range(len(history))]
     columns = [f"history[p, {first + k}]" for k in range(len(history))]
-    both = list(zip(rows, columns, strict=True))
+    gathered = [f"{lane} = {column}" for lane, column in zip(before, columns, strict=True)]
+    scattered = [f"{column} = {row}" for row, column in zip(after, columns, strict=True)]
     pair = ["block", "lane", "history", "p"]
     return [
-        _function(f"load_{name}_lane", ["block", "lane"], [f"return {_tuple(rows)}"]),
+        _function(f"load_{name}_lane", ["block", "lane"], [f"return {_tuple(before)}"]),
         _function(
             f"store_{name}_lane",
             ["block", "lane", "values"],
-            [f"{row} = values[{k}]" for k, row in enumerate(rows)] or ["pass"],
+            [f"{row} = values[{k}]" for k, row in enumerate(after)] or ["pass"],
         ),
-        _function(f"gather_{name}", pair, [f"{row} = {column}" for row, column in both] or ["pass"]),
-        _function(f"scatter_{name}", pair, [f"{column} = {row}" for row, column in both] or ["pass"]),
+        _function(f"gather_{name}", pair, gathered or ["pass"]),
+        _function(f"scatter_{name}", pair, scattered or ["pass"]),
     ]
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from .._jit import compile_kernel
 from ..laws import BOND_LAWS, CONTACT_LAWS
 from ..laws.protocol import constants as law_constants
-from . import blocks, motion, pairs, sleep, steps, wall_geometry, wall_motion, walls
+from . import blocks, fours, motion, pairs, sleep, steps, wall_geometry, wall_motion, walls
 from .adapters import (
     HistoryLayout,
     asked_names,
@@ -98,7 +98,9 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
     """Module with ``advance`` for a scene with these features; see `geodem.kernels.steps.advance`."""
     contact, bond = features.laws()
     layout = features.layout()
-    blocked = features.blocked and features.dimension == 3 and not features.energy
+    # without shear some fours of a block would not be read whole, see blocks
+    sheared = "shear_x" in layout.contact
+    blocked = features.blocked and features.dimension == 3 and sheared and not features.energy
     law_functions, adapters = contact_adapters(
         contact, name="contact", dimension=features.dimension, layout=layout, viscous=features.contact_viscous
     )
@@ -125,7 +127,7 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
     else:
         adapters += ["wall_forces = None", "gather_wall_forces = None", "move_walls = None"]
     if blocked:
-        adapters += [source(f) for f in blocks.INLINED]
+        adapters += [*fours.texts(), *(source(f) for f in blocks.INLINED)]
         loops += blocks.FUNCTIONS
     if features.sleep:
         loops += sleep.FUNCTIONS
@@ -171,7 +173,6 @@ def _constants(features: Features, contact: ModuleType, bond: ModuleType | None)
         "ASKS_RADII": bool(asked & {"radius_a", "radius_b"}),
         "ASKS_MASS": bool(asked & {"mass_a", "mass_b"}),
         "ASKS_APPROACH": "approach" in asked,
-        "HEIGHT": blocks.HISTORY + max(len(layout.contact), len(layout.bond)),
         "RADIUS": 3 if space else 2,
         "MATERIAL": 11 if space else 3,
         "SPIN": 8 if space else 6,

@@ -34,7 +34,6 @@ RELAX = True
 ENERGY = True
 SLEEP = True
 FREEDOMS = 6
-SPARE = 8
 
 
 def step_chunk(
@@ -47,8 +46,7 @@ def step_chunk(
     """One step of one chunk: forces of its pairs and walls, then its motion."""
     base = chunk * chunk_size
     size = min(chunk_size, len(now) - base)
-    # the last rows are for what belongs to other chunks' particles
-    force = np.zeros((chunk_size + SPARE, FREEDOMS))
+    force = np.zeros((size, FREEDOMS))
     energy = np.zeros(4)
     contacts, thrust = pairs(
         pair_start[chunk], pair_start[chunk + 1], base, size, now, pair_a, pair_b, pair_bond, touching, history,

@@ -53,10 +53,12 @@ def force(
     z = shear_z + shear_stiffness * slip_z
     limit = friction_coefficient * normal
     squared = x * x + y * y + z * z
-    keep = limit / math.sqrt(squared) if squared > limit * limit else 1.0
-    x *= keep
-    y *= keep
-    z *= keep
+    # a branch where pairs are computed one by one: most contacts hold, and a root and a quotient take long
+    if squared > limit * limit:
+        keep = limit / math.sqrt(squared)
+        x *= keep
+        y *= keep
+        z *= keep
     return normal, x, y, z, x, y, z
 
 
