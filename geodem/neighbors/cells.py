@@ -25,12 +25,12 @@ RADIUS = 3
 FAR = 1e9
 BLOCK = 4096
 
-LEVEL_RATIO = 2.0
+LEVEL_RATIO = 3.0
 """Largest over smallest radius on one level, where there are several."""
-ONE_LEVEL_RATIO = 3.0
-"""Largest over smallest radius up to which one level holds all particles."""
-MOST_LEVELS = 24
-"""Smaller particles than 2^-24 of the largest share the finest level."""
+ONE_LEVEL_RATIO = {2: 10.0, 3: 4.0}
+"""Largest over smallest radius up to which one level holds all particles, by dimension; measured."""
+MOST_LEVELS = 16
+"""Particles smaller than the finest level's bound share it."""
 CELLS_PER_PARTICLE = 4
 """Bound on the number of cells of a level, and of memory: beyond it the grid is folded."""
 SPLITS = (4, 3, 2, 1)
@@ -89,7 +89,7 @@ def plan_levels(
     largest = float(rows[:, radius_column].max())
     smallest = float(radii.min())
     levels = 1
-    if multilevel and largest > ONE_LEVEL_RATIO * smallest:
+    if multilevel and largest > ONE_LEVEL_RATIO[dimension] * smallest:
         levels = 1 + min(math.floor(math.log(largest / smallest, LEVEL_RATIO)), MOST_LEVELS - 1)
     bound = largest * LEVEL_RATIO ** -np.arange(levels, dtype=np.float64)
     level = np.searchsorted(-bound, -radii, side="right") - 1

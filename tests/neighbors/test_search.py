@@ -200,6 +200,30 @@ def test_a_crowd_in_one_place(dimension):
     assert set(memory(pairs, ids)) == expected
 
 
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_large_particles_among_many_small_ones(dimension, threads):
+    """A large one meets more cells and particles than the work space holds at first."""
+    _jit.set_threads(threads)
+    rng = np.random.default_rng(14)
+    rows = random_rows(rng, 3000, dimension, ratio=20.0)
+    rows[::500, RADIUS[dimension]] = 20.0
+    ids = np.arange(len(rows))
+    expected = near_pairs(rows, ids, dimension, 0.2)
+    pairs = None
+    for _ in range(3):
+        pairs = search(rows, ids, pairs, dimension=dimension)
+        assert set(memory(pairs, ids)) == expected
+
+
+def test_one_permutation_is_not_enough():
+    rows = make_rows(np.zeros((2, 2)), np.ones(2))
+    ids = np.arange(2)
+    pairs = search(rows, ids, dimension=2)
+    with pytest.raises(InputError, match="new_row_of_old"):
+        search(rows, ids, pairs, ids, dimension=2)
+
+
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_a_lost_particle_is_near_to_nothing(dimension):
     rng = np.random.default_rng(11)

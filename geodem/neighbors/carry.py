@@ -1,0 +1,135 @@
+"""What the new list takes over from the old one: far pairs that are held, bonds, touching and history.
+
+These functions are joined by `geodem.neighbors.search`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+prange = range
+
+# Set by the module that the kernels are compiled in.
+DIMENSION = 3
+RADIUS = 3
+HISTORY = 0
+
+
+def find_strays(rows, buffer, chunk, row, a, b, bond, touching, mapped, new_row_of_old, stray, count):
+    """Old pairs that are intact bonds or touch, and are not nearer than the buffer.
+
+    Each pair once. Overwritten: stray (p, 2) int32, the new rows, where the chunk's pairs begin; count (chunks,).
+    """
+    particles = len(row) - 1
+    for part in prange((particles + chunk - 1) // chunk):
+        first = part * chunk
+        place = row[first]
+        for old in range(first, min(particles, first + chunk)):
+            for pair in range(row[old], row[old + 1]):
+                if bond[pair] == 0 and touching[pair] != 1:
+                    continue
+                i = np.int64(a[pair])
+                j = np.int64(b[pair])
+                if min(i, j) < old:
+                    continue
+                if mapped:
+                    i = new_row_of_old[i]
+                    j = new_row_of_old[j]
+                square = 0.0
+                for axis in range(DIMENSION):
+                    step = rows[j, axis] - rows[i, axis]
+                    square += step * step
+                both = rows[i, RADIUS] + rows[j, RADIUS] + buffer
+                # a little too many are harmless: what `find` finds itself is not listed twice
+                if not square < both * both * (1.0 - 1e-9):
+                    stray[place, 0] = i
+                    stray[place, 1] = j
+                    place += 1
+        count[part] = place - row[first]
+
+
+def list_strays(old_chunk, old_row, stray, count, chunk, stray_row, listed):
+    """Strays under the rows that shall list them: stray_row (n + 2,), listed (2 * strays,) int32, overwritten.
+
+    Row i lists listed[stray_row[i] : stray_row[i + 1]].
+    """
+    for fill in range(2):
+        # counted two places ahead, so that the filling leaves the starts where they belong
+        ahead = 1 if fill else 2
+        for part in range(len(count)):
+            place = old_row[part * old_chunk]
+            for pair in range(place, place + count[part]):
+                i = np.int64(min(stray[pair, 0], stray[pair, 1]))
+                j = np.int64(max(stray[pair, 0], stray[pair, 1]))
+                if fill:
+                    listed[stray_row[i + 1]] = j
+                stray_row[i + ahead] += 1
+                if i // chunk != j // chunk:
+                    if fill:
+                        listed[stray_row[j + 1]] = i
+                    stray_row[j + ahead] += 1
+        if not fill:
+            sum_up(stray_row)
+
+
+def sum_up(row):
+    """Running sum of counts in place."""
+    total = 0
+    for index in range(len(row)):
+        total += row[index]
+        row[index] = total
+
+
+def write(
+    chunk, near, ids, row, a, b, bond, touching, history,
+    old_chunk, old_row, old_a, old_b, old_bond, old_touching, old_history, mapped, old_row_of_new,
+):  # fmt: skip
+    """Pairs of every row, with what the old list knows of them: a, b, bond, touching, history, overwritten."""
+    particles = len(row) - 1
+    for part in prange((particles + chunk - 1) // chunk):
+        first = part * chunk
+        listed = near[part]
+        before = row[first]
+        for particle in range(first, min(particles, first + chunk)):
+            own = old_row_of_new[particle] if mapped else particle
+            own_first = old_row[own]
+            own_last = old_row[own + 1]
+            own_part = own // old_chunk
+            expected = own_first
+            for pair in range(row[particle], row[particle + 1]):
+                other = np.int64(listed[pair - before])
+                lower = ids[particle] < ids[other]
+                a[pair] = particle if lower else other
+                b[pair] = other if lower else particle
+                theirs = old_row_of_new[other] if mapped else other
+                begin = own_first
+                end = own_last
+                if theirs < own and theirs // old_chunk == own_part:
+                    begin = old_row[theirs]
+                    end = old_row[theirs + 1]
+                both = own ^ theirs
+                known = -1
+                # mostly the lists are alike: the pair behind the last one found is the next
+                if (
+                    expected < own_last
+                    and end == own_last
+                    and np.int64(old_a[expected]) ^ np.int64(old_b[expected]) == both
+                ):
+                    known = expected
+                else:
+                    for k in range(begin, end):
+                        if np.int64(old_a[k]) ^ np.int64(old_b[k]) == both:
+                            known = k
+                            break
+                if known >= 0:
+                    if end == own_last:
+                        expected = known + 1
+                    bond[pair] = old_bond[known]
+                    touching[pair] = old_touching[known]
+                    for k in range(HISTORY):
+                        history[pair, k] = old_history[known, k]
+                else:
+                    bond[pair] = 0
+                    touching[pair] = 0
+                    for k in range(HISTORY):
+                        history[pair, k] = 0.0
