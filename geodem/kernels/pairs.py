@@ -29,12 +29,14 @@ ONE_MATERIAL = False
 MATERIALS = 1
 MOMENT = True
 ENERGY = True
+FREEDOMS = 6  # (3)
 VISCOUS_CONTACT = True
 VISCOUS_BOND = True
 OFFSET = 0  # column of the history: distance at bonding - ra - rb
 STORED = 0  # first column of the energy account: elastic energy, then the forces of the last step
 
-# Columns of the rows: 3D (2D).
+# Columns of the rows: 3D (2D), and how many there are.
+WIDTH = 12  # (8)
 RADIUS = 3  # (2)
 VELOCITY = 4  # (4)
 MASS = 7  # (7)
@@ -148,45 +150,55 @@ def pairs(
 
     now (n, 8 or 12): rows; pair_a, pair_b, pair_bond, touching (p,), history (p, H): the pair list; table,
     bond_table: parameters by pair of materials; bond_scale (b,); breaking: utilisation at which bonds break,
-    1 but in statics, where utilisation (b, 2) is noted; force (size, 3 or 6), energy (4,): added to; record
+    1 but in statics, where utilisation (b, 2) is noted; force (size + 1, 3 or 6), energy (4,): added to; record
     (b, 5 or 6).
 
     Returns
     -------
     contacts, thrust : float
-        Number of pairs that carry force and the sum of their normal forces [N]; pairs across chunks count half.
+        Number of pairs that carry force and the sum of their normal forces [N]; a pair across chunks counts where its
+        first particle is.
     """
     contacts = 0.0
     thrust = 0.0
-    # an index without a sign saves the question whether it counts from the end
-    for pair in range(first, last):
-        p = np.uint64(pair)
-        a = np.uint64(pair_a[p])
-        b = np.uint64(pair_b[p])
-        own_a = int(pair_a[p]) - base
-        own_b = int(pair_b[p]) - base
-        dx = now[b, 0] - now[a, 0]
-        dy = now[b, 1] - now[a, 1]
+    # slices, so that no index can be negative, and flat rows, so that their width is a constant
+    rows = now.reshape(now.size)
+    loads = force.reshape(force.size)
+    pair_a = pair_a[first:last]
+    pair_b = pair_b[first:last]
+    touching = touching[first:last]
+    history = history[first:last]
+    if BONDS:
+        pair_bond = pair_bond[first:last]
+    others = np.uint32(size)
+    for p in range(last - first):
+        # what is not the chunk's is a very large number without sign, and goes to the last row
+        own_a = min(np.uint32(int(pair_a[p]) - base), others)
+        own_b = min(np.uint32(int(pair_b[p]) - base), others)
+        a = WIDTH * int(pair_a[p])
+        b = WIDTH * int(pair_b[p])
+        dx = rows[b] - rows[a]
+        dy = rows[b + 1] - rows[a + 1]
         square = dx * dx + dy * dy
         dz = 0.0
         if SPACE:
-            dz = now[b, 2] - now[a, 2]
+            dz = rows[b + 2] - rows[a + 2]
             square += dz * dz
-        radius_a = now[a, RADIUS]
-        radius_b = now[b, RADIUS]
+        radius_a = rows[a + RADIUS]
+        radius_b = rows[b + RADIUS]
         zero = radius_a + radius_b
         number = 0
         if BONDS:
             zero += history[p, OFFSET]
             number = int(pair_bond[p])
-        row = 0 if ONE_MATERIAL else int(now[a, MATERIAL]) * MATERIALS + int(now[b, MATERIAL])
+        row = 0 if ONE_MATERIAL else int(rows[a + MATERIAL]) * MATERIALS + int(rows[b + MATERIAL])
         touched = touching[p] != 0
         touch = square < zero * zero
         if REACH and touched:
             limit = zero + contact_reach(contact_parameters(table, row), radius_a, radius_b)
             touch = square < limit * limit
-        mine = 0 <= own_a < size
-        both = mine and 0 <= own_b < size
+        # a pair across chunks counts where its first particle is
+        mine = own_a < others
         if touch or number > 0:
             distance = math.sqrt(square)
             inverse = 1.0 / distance
@@ -196,10 +208,10 @@ def pairs(
             overlap = zero - distance
             arm_a = 0.5 * (distance + radius_a - radius_b)
             arm_b = distance - arm_a
-            mass_a = now[a, MASS]
-            mass_b = now[b, MASS]
-            dvx = now[b, VELOCITY] - now[a, VELOCITY]
-            dvy = now[b, VELOCITY + 1] - now[a, VELOCITY + 1]
+            mass_a = rows[a + MASS]
+            mass_b = rows[b + MASS]
+            dvx = rows[b + VELOCITY] - rows[a + VELOCITY]
+            dvy = rows[b + VELOCITY + 1] - rows[a + VELOCITY + 1]
             turn_x = 0.0
             turn_y = 0.0
             turn_z = 0.0
@@ -210,19 +222,19 @@ def pairs(
             bend_y = 0.0
             bend_z = 0.0
             if SPACE:
-                dvz = now[b, VELOCITY + 2] - now[a, VELOCITY + 2]
+                dvz = rows[b + VELOCITY + 2] - rows[a + VELOCITY + 2]
                 along = dvx * nx + dvy * ny + dvz * nz
                 approach = -along * time_step
                 # the change of n over half a step and the mean spin about n turn the contact's frame
                 turn_x = (dvx - along * nx) * inverse * (0.5 * time_step)
                 turn_y = (dvy - along * ny) * inverse * (0.5 * time_step)
                 turn_z = (dvz - along * nz) * inverse * (0.5 * time_step)
-                ax = now[a, SPIN]
-                ay = now[a, SPIN + 1]
-                az = now[a, SPIN + 2]
-                bx = now[b, SPIN]
-                by = now[b, SPIN + 1]
-                bz = now[b, SPIN + 2]
+                ax = rows[a + SPIN]
+                ay = rows[a + SPIN + 1]
+                az = rows[a + SPIN + 2]
+                bx = rows[b + SPIN]
+                by = rows[b + SPIN + 1]
+                bz = rows[b + SPIN + 2]
                 spin = 0.5 * time_step * ((ax + bx) * nx + (ay + by) * ny + (az + bz) * nz)
                 wx = arm_a * ax + arm_b * bx
                 wy = arm_a * ay + arm_b * by
@@ -236,8 +248,8 @@ def pairs(
                 bend_z = (bz - az) * time_step - twist * nz
             else:
                 approach = -(dvx * nx + dvy * ny) * time_step
-                slip_x = (dvy * nx - dvx * ny - arm_a * now[a, SPIN] - arm_b * now[b, SPIN]) * time_step
-                bend_x = (now[b, SPIN] - now[a, SPIN]) * time_step
+                slip_x = (dvy * nx - dvx * ny - arm_a * rows[a + SPIN] - arm_b * rows[b + SPIN]) * time_step
+                bend_x = (rows[b + SPIN] - rows[a + SPIN]) * time_step
             normal = 0.0
             shear_x = 0.0
             shear_y = 0.0
@@ -333,7 +345,7 @@ def pairs(
                     bend_x, bend_y, bend_z, overlap, normal, shear_x, shear_y, shear_z, twisting, bending_x,
                     bending_y, bending_z, damp, drag_x, drag_y, drag_z,
                 )  # fmt: skip
-                share = 1.0 if both else 0.5
+                share = 1.0 if mine else 0.0
                 energy[ELASTIC] += share * stored
                 energy[VISCOUS] += share * heat
                 if broken > 0:
@@ -345,10 +357,12 @@ def pairs(
             if BONDS and broken > 0 and mine:
                 record[bonded - 1, STATE] = broken
                 record[bonded - 1, STEP] = step
-                record[bonded - 1, PLACE] = now[a, 0] + arm_a * nx
-                record[bonded - 1, PLACE + 1] = now[a, 1] + arm_a * ny
+                record[bonded - 1, PLACE] = rows[a] + arm_a * nx
+                record[bonded - 1, PLACE + 1] = rows[a + 1] + arm_a * ny
                 if SPACE:
-                    record[bonded - 1, PLACE + 2] = now[a, 2] + arm_a * nz
+                    record[bonded - 1, PLACE + 2] = rows[a + 2] + arm_a * nz
+            i = FREEDOMS * int(own_a)
+            j = FREEDOMS * int(own_b)
             normal += damp
             shear_x += drag_x
             if SPACE:
@@ -363,40 +377,36 @@ def pairs(
                 mx = bending_x + twisting * nx if MOMENT else 0.0
                 my = bending_y + twisting * ny if MOMENT else 0.0
                 mz = bending_z + twisting * nz if MOMENT else 0.0
-                if mine:
-                    force[own_a, 0] += fx
-                    force[own_a, 1] += fy
-                    force[own_a, 2] += fz
-                    force[own_a, 3] += arm_a * tx + mx
-                    force[own_a, 4] += arm_a * ty + my
-                    force[own_a, 5] += arm_a * tz + mz
-                if both or not mine:
-                    force[own_b, 0] -= fx
-                    force[own_b, 1] -= fy
-                    force[own_b, 2] -= fz
-                    force[own_b, 3] += arm_b * tx - mx
-                    force[own_b, 4] += arm_b * ty - my
-                    force[own_b, 5] += arm_b * tz - mz
+                loads[i] += fx
+                loads[i + 1] += fy
+                loads[i + 2] += fz
+                loads[i + 3] += arm_a * tx + mx
+                loads[i + 4] += arm_a * ty + my
+                loads[i + 5] += arm_a * tz + mz
+                loads[j] -= fx
+                loads[j + 1] -= fy
+                loads[j + 2] -= fz
+                loads[j + 3] += arm_b * tx - mx
+                loads[j + 4] += arm_b * ty - my
+                loads[j + 5] += arm_b * tz - mz
             else:
                 fx = -normal * nx - shear_x * ny
                 fy = -normal * ny + shear_x * nx
                 mz = bending_x if MOMENT else 0.0
-                if mine:
-                    force[own_a, 0] += fx
-                    force[own_a, 1] += fy
-                    force[own_a, 2] += arm_a * shear_x + mz
-                if both or not mine:
-                    force[own_b, 0] -= fx
-                    force[own_b, 1] -= fy
-                    force[own_b, 2] += arm_b * shear_x - mz
-            weight = 1.0 if both else 0.5
+                loads[i] += fx
+                loads[i + 1] += fy
+                loads[i + 2] += arm_a * shear_x + mz
+                loads[j] -= fx
+                loads[j + 1] -= fy
+                loads[j + 2] += arm_b * shear_x - mz
+            weight = 1.0 if mine else 0.0
             contacts += weight
             thrust += weight * abs(normal)
         elif touched:
             touching[p] = 0
             store_contact(history, p, no_contact())
             if ENERGY:
-                share = 1.0 if both else 0.5
+                share = 1.0 if mine else 0.0
                 lost, heat = forget(history, p)
                 energy[FRICTION] += share * lost
                 energy[VISCOUS] += share * heat

@@ -173,6 +173,7 @@ def _constants(features: Features, contact: ModuleType, bond: ModuleType | None)
         "ASKS_RADII": bool(asked & {"radius_a", "radius_b"}),
         "ASKS_MASS": bool(asked & {"mass_a", "mass_b"}),
         "ASKS_APPROACH": "approach" in asked,
+        "WIDTH": 12 if space else 8,
         "RADIUS": 3 if space else 2,
         "MATERIAL": 11 if space else 3,
         "SPIN": 8 if space else 6,

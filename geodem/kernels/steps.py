@@ -46,7 +46,8 @@ def step_chunk(
     """One step of one chunk: forces of its pairs and walls, then its motion."""
     base = chunk * chunk_size
     size = min(chunk_size, len(now) - base)
-    force = np.zeros((size, FREEDOMS))
+    # the last row is for what belongs to other chunks' particles
+    force = np.zeros((size + 1, FREEDOMS))
     energy = np.zeros(4)
     contacts, thrust = pairs(
         pair_start[chunk], pair_start[chunk + 1], base, size, now, pair_a, pair_b, pair_bond, touching, history,
