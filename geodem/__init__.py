@@ -17,10 +17,11 @@ The same in code, from geometry to the factor of safety of a 5 m bank of soft cl
     >>> print(f"{search.run().value:.1f}")
     1.2
 
-Discs that fall, touch and come to rest (true motion; `find_equilibrium` finds rest without it):
+Discs that fall, touch and come to rest (true motion; `particle_statics` finds rest without it):
 
     >>> from geodem.boundaries.walls import plane
-    >>> build = geodem.AssemblyBuilder(2, gravity=(0.0, -10.0))
+    >>> from geodem.builders.assembly_builder import AssemblyBuilder
+    >>> build = AssemblyBuilder(2, gravity=(0.0, -10.0))
     >>> spring = {"normal_stiffness": 1e6, "shear_stiffness": 5e5, "friction_coefficient": 0.5}
     >>> build.add_material("grain", density=2000.0, contact=spring)
     >>> ids = build.add_particles([(0.0, 0.1), (0.0, 0.35)], 0.1, "grain")
@@ -42,7 +43,6 @@ from ._version import __version__
 
 _PLACES = {
     "Analysis": "analysis",
-    "AssemblyBuilder": "builders.assembly_builder",
     "Case": "case",
     "Criteria": "stability.criteria",
     "GravityIncrease": "stability.methods",
@@ -61,7 +61,6 @@ _PLACES = {
     "build_ground": "builders.ground",
     "check_case": "checking",
     "fill_section": "builders.particles",
-    "find_equilibrium": "particle_statics",
     "load_case": "case",
     "redraw": "workflow",
     "resume_case": "workflow",
@@ -71,7 +70,6 @@ _PLACES = {
 
 __all__ = [
     "Analysis",
-    "AssemblyBuilder",
     "Case",
     "Criteria",
     "GravityIncrease",
@@ -91,7 +89,6 @@ __all__ = [
     "build_ground",
     "check_case",
     "fill_section",
-    "find_equilibrium",
     "load_case",
     "redraw",
     "resume_case",
@@ -115,7 +112,6 @@ def __dir__() -> list[str]:
 
 if TYPE_CHECKING:
     from .analysis import Analysis
-    from .builders.assembly_builder import AssemblyBuilder
     from .builders.from_image import section_from_image
     from .builders.ground import GroundProperties, Surcharge, build_ground
     from .builders.particles import Particles, fill_section
@@ -125,7 +121,6 @@ if TYPE_CHECKING:
     from .errors import InputError, StoppedError
     from .model import Model
     from .particle_simulation import ParticleSimulation
-    from .particle_statics import find_equilibrium
     from .simulation import Simulation
     from .stability.criteria import Criteria
     from .stability.methods import GravityIncrease, StrengthReduction
