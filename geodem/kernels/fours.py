@@ -1,4 +1,4 @@
-"""Sums and differences of four numbers that lie beside each other, in one instruction each.
+"""What Python has no words for: four neighbouring numbers in one instruction, and asking for memory ahead of time.
 
 The compiler works on several numbers of one row at once only when numba's SLP pass is on, and with that pass the
 loop over blocks runs at half its speed. Written into the module of a kernel like the functions of
@@ -20,12 +20,12 @@ from numba.extending import intrinsic"""
 
 
 def texts() -> list[str]:
-    """What a generated module must hold before `add_fours` and `subtract_fours` can be called in it."""
+    """What a generated module must hold before `add_fours`, `subtract_fours` and `fetch` can be called in it."""
     helpers = ["# run while a kernel is compiled\n" + getsource(f) for f in (four_at, combine_fours)]
     return [
         _IMPORTS,
         *helpers,
-        *("@intrinsic\n" + getsource(f) for f in (add_fours, subtract_fours)),
+        *("@intrinsic\n" + getsource(f) for f in (add_fours, subtract_fours, fetch)),
     ]
 
 
@@ -66,3 +66,21 @@ def subtract_fours(typing_context: Any, target: Any, t: Any, first: Any, f: Any,
         return combine_fours(context, builder, signature, arguments, "fsub")
 
     return types.void(target, t, first, f, second, s), code
+
+
+def fetch(typing_context: Any, array: Any, index: Any) -> Any:
+    """Ask for the line of the cache that holds `index` of a flat array, without waiting for it."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        kinds = signature.args
+        data = context.make_array(kinds[0])(context, builder, arguments[0]).data
+        place = builder.gep(data, [context.cast(builder, arguments[1], kinds[1], types.intp)])
+        byte = ir.IntType(8).as_pointer()
+        word = ir.IntType(32)
+        function = builder.module.declare_intrinsic(
+            "llvm.prefetch", [byte], ir.FunctionType(ir.VoidType(), [byte, word, word, word])
+        )
+        builder.call(function, [builder.bitcast(place, byte), word(0), word(3), word(1)])
+        return context.get_dummy_value()
+
+    return types.void(array, index), code

@@ -112,6 +112,7 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
         )
         law_functions += bond_functions
         adapters += more
+    adapters += [*fours.texts(), source(pairs.fetch_ahead)]
     loops: list[Callable[..., Any]] = []
     if not blocked:
         loops += [pairs.account, pairs.forget, pairs.pairs]
@@ -127,7 +128,7 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
     else:
         adapters += ["wall_forces = None", "gather_wall_forces = None", "move_walls = None"]
     if blocked:
-        adapters += [*fours.texts(), *(source(f) for f in blocks.INLINED)]
+        adapters += [source(f) for f in blocks.INLINED]
         loops += blocks.FUNCTIONS
     if features.sleep:
         loops += sleep.FUNCTIONS
