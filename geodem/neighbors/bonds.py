@@ -79,6 +79,7 @@ def _bond_list(
     pairs.b[:] = b[bond]
     pairs.bond[:] = bond + 1
     pairs.touching[:] = 0
+    pairs.far = len(a)
     pairs.history[:] = 0.0
     pairs.history[:, offset : offset + histories.shape[1]] = histories[bond]
     return pairs

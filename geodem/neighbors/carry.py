@@ -82,20 +82,29 @@ def sum_up(row):
 
 def write(
     chunk, near, ids, row, a, b, bond, touching, history,
-    old_chunk, old_row, old_a, old_b, old_bond, old_touching, old_history, mapped, old_row_of_new,
+    old_chunk, old_row, old_a, old_b, old_bond, old_touching, old_history, mapped, old_row_of_new, lost,
 ):  # fmt: skip
-    """Pairs of every row, with what the old list knows of them: a, b, bond, touching, history, overwritten."""
+    """Pairs of every row, with what the old list knows of them: a, b, bond, touching, history, overwritten.
+
+    lost (chunks,) int64, overwritten: its sum is twice the number of old pairs that must be kept and are not listed.
+    """
     particles = len(row) - 1
     for part in prange((particles + chunk - 1) // chunk):
         first = part * chunk
         listed = near[part]
         before = row[first]
+        missing = 0
         for particle in range(first, min(particles, first + chunk)):
             own = old_row_of_new[particle] if mapped else particle
             own_first = old_row[own]
             own_last = old_row[own + 1]
             own_part = own // old_chunk
             expected = own_first
+            # a pair counts two, half of it under each row where both list it
+            for k in range(own_first, own_last):
+                theirs = np.int64(old_a[k]) ^ np.int64(old_b[k]) ^ own
+                held = (old_bond[k] > 0) | (old_touching[k] == 1)
+                missing += int(held) << int(theirs // old_chunk == own_part)
             for pair in range(row[particle], row[particle + 1]):
                 other = np.int64(listed[pair - before])
                 lower = ids[particle] < ids[other]
@@ -126,6 +135,8 @@ def write(
                         expected = known + 1
                     bond[pair] = old_bond[known]
                     touching[pair] = old_touching[known]
+                    held = (old_bond[known] > 0) | (old_touching[known] == 1)
+                    missing -= int(held) << int(other // chunk == part)
                     for k in range(HISTORY):
                         history[pair, k] = old_history[known, k]
                 else:
@@ -133,3 +144,4 @@ def write(
                     touching[pair] = 0
                     for k in range(HISTORY):
                         history[pair, k] = 0.0
+        lost[part] = missing

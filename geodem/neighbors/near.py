@@ -19,9 +19,9 @@ prange = range
 DIMENSION = 3
 RADIUS = 3
 
-GROUP = 16
+GROUP = 24
 """Rows that may share a walk."""
-SPREAD = 3.0
+SPREAD = 3.5
 """Sides of the box around a group, over the distance at which two of the smallest particles are near; measured."""
 LANES = 16
 """Candidates are compared in blocks of this many."""
@@ -107,7 +107,10 @@ def find_in_chunk(
             row_of = np.empty(2 * found + LANES, np.int32)
             hit = np.empty(2 * found + LANES, np.uint8)
             listed = np.empty(2 * found + 2 * LANES, np.int32)
-        blocks = copy_spots(spot, order, index, found, place_of, row_of)
+        blocks = copy_spots(
+            first, begin, x_low, x_high, y_low, y_high, z_low, z_high, large,
+            spot, order, index, found, place_of, row_of,
+        )  # fmt: skip
         for particle in range(begin, stop):
             pairs = pick(
                 rows[particle, 0], rows[particle, 1], rows[particle, DIMENSION - 1],
@@ -184,24 +187,44 @@ def gather(
     return found
 
 
-def copy_spots(spot, order, index, found, place_of, row_of):
-    """Copy the candidates side by side, and fill the last block of LANES with some that are near to nothing.
+def copy_spots(
+    first, begin, x_low, x_high, y_low, y_high, z_low, z_high, own, spot, order, index, found, place_of, row_of,
+):  # fmt: skip
+    """Copy the candidates that matter side by side, for vector instructions.
 
-    place_of (DIMENSION + 1, m): centres and reaches, row_of (m,), overwritten. Returns the number of blocks.
+    Those that a reach of `own` from the box meets, but no rows from `first`, where the chunk begins, to `begin`, where
+    the group does: they list the pair themselves. place_of (DIMENSION + 1, m): centres and reaches, row_of (m,),
+    overwritten. The last block of LANES is filled with some that are near to nothing. Returns the number of blocks.
     """
-    blocks = (found + LANES - 1) // LANES
     xs = place_of[0]
     ys = place_of[1]
     zs = place_of[DIMENSION - 1]
     reaches = place_of[DIMENSION]
+    wide = 1.0 + MARGIN
+    # every candidate is written and the next one over it unless it matters: no branch can be guessed wrong
+    kept = np.uint64(0)
     for k in range(found):
         source = np.uint32(index[k])
-        xs[k] = spot[source, 0]
-        ys[k] = spot[source, 1]
+        x = spot[source, 0]
+        y = spot[source, 1]
+        dx = max(x_low - x, x - x_high, 0.0)
+        dy = max(y_low - y, y - y_high, 0.0)
+        square = dx * dx + dy * dy
+        xs[kept] = x
+        ys[kept] = y
         if DIMENSION == 3:
-            zs[k] = spot[source, 2]
-        reaches[k] = spot[source, DIMENSION]
-        row_of[k] = order[source]
+            z = spot[source, 2]
+            dz = max(z_low - z, z - z_high, 0.0)
+            square += dz * dz
+            zs[kept] = z
+        theirs = spot[source, DIMENSION]
+        both = (own + theirs) * wide
+        reaches[kept] = theirs
+        row = order[source]
+        row_of[kept] = row
+        kept += np.uint64((square < both * both) & ((row >= begin) | (row < first)))
+    found = np.int64(kept)
+    blocks = (found + LANES - 1) // LANES
     for k in range(found, blocks * LANES):
         xs[k] = np.inf
         ys[k] = 0.0
@@ -230,7 +253,7 @@ def pick(x, y, z, own, particle, first, place_of, row_of, blocks, hit, listed):
         both = own + reaches[k]
         other = candidates[k]
         hits[k] = (square < both * both) & ((other > particle) | (other < first))
-    # every candidate is written and the next one over it unless it was near: no branch can be guessed wrong
+    # written as in `copy_spots`
     pairs = np.uint64(0)
     for k in range(length):
         listed[pairs] = candidates[k]

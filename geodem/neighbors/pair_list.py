@@ -32,6 +32,9 @@ class PairList:
         1 while the pair touched in the last step.
     history : (p, H) float64
         What the laws remember of the pair.
+    far : int
+        Pairs listed though they are not near, because they are bonded or touch. The next search asks first for
+        such pairs where there were some, and only then.
     """
 
     chunk: int
@@ -42,6 +45,7 @@ class PairList:
     bond: NDArray[np.int32]
     touching: NDArray[np.uint8]
     history: NDArray[np.float64]
+    far: int = 0
 
     @classmethod
     def empty(cls, particles: int, *, chunk: int, history_width: int) -> PairList:

@@ -1,7 +1,7 @@
 """The neighbour search: all pairs nearer than the buffer, with what the old list knows of them.
 
-Three passes, each parallel over chunks: find the near particles of every row; find the old pairs that are kept
-although they are farther; write the pairs and take over bonds and history from the old list.
+Two passes, each parallel over chunks: find the near particles of every row; write the pairs and take over bonds and
+history from the old list. Where old pairs must be kept although they are far, they are found first.
 Every chunk does its work alone and in one order, so no bit depends on the number of threads.
 """
 
@@ -105,32 +105,41 @@ def _fill_grid(rows: Floats, kernel: ModuleType, levels: Levels, half_buffer: fl
     return _Grid(levels, start, order, spot)
 
 
-def _strays(
+@dataclass(frozen=True)
+class _Strays:
+    """Far pairs that are to be listed: row i lists listed[row[i] : row[i + 1]]; `row` is empty where there are none."""
+
+    pairs: int
+    row: Integers
+    listed: NDArray[np.int32]
+
+
+def _no_strays() -> _Strays:
+    return _Strays(0, np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int32))
+
+
+def _find_strays(
     rows: Floats,
     kernel: ModuleType,
     old: PairList,
     buffer: float,
     chunk: int,
     new_row_of_old: Integers | None,
-) -> tuple[Integers, NDArray[np.int32]]:
-    """CSR of far rows to be listed under every row; empty where there are none."""
-    none = np.empty(0, dtype=np.int32)
-    if old.pairs == 0:
-        return none.astype(np.int64), none
+) -> _Strays:
     stray = np.empty((old.pairs, 2), dtype=np.int32)
     count = np.empty(len(old.start) - 1, dtype=np.int64)
     mapped = new_row_of_old is not None
     kernel.find_strays(
         rows, buffer, old.chunk, old.row, old.a, old.b, old.bond, old.touching,
-        mapped, none.astype(np.int64) if new_row_of_old is None else new_row_of_old, stray, count,
+        mapped, np.empty(0, dtype=np.int64) if new_row_of_old is None else new_row_of_old, stray, count,
     )  # fmt: skip
-    strays = int(count.sum())
-    if strays == 0:
-        return none.astype(np.int64), none
-    stray_row = np.zeros(len(rows) + 2, dtype=np.int64)
-    listed = np.empty(2 * strays, dtype=np.int32)
-    kernel.list_strays(old.chunk, old.row, stray, count, chunk, stray_row, listed)
-    return stray_row, listed
+    pairs = int(count.sum())
+    if pairs == 0:
+        return _no_strays()
+    row = np.zeros(len(rows) + 2, dtype=np.int64)
+    listed = np.empty(2 * pairs, dtype=np.int32)
+    kernel.list_strays(old.chunk, old.row, stray, count, chunk, row, listed)
+    return _Strays(pairs, row, listed)
 
 
 def rebuild(
@@ -202,27 +211,49 @@ def rebuild(
         rows, dimension=dimension, radius_column=column, buffer=buffer, multilevel=multilevel
     )
     grid = _fill_grid(rows, kernel, levels, 0.5 * buffer, dimension)
-    stray_row, stray = _strays(rows, kernel, old, buffer, chunk, new_row_of_old if mapped else None)
-
-    parts = chunks_of(particles, chunk)
-    row = np.zeros(particles + 1, dtype=np.int64)
-    failed = np.zeros(parts, dtype=np.uint8)
     capacity = chunk * max(ROOM_PER_PARTICLE[dimension], 2 * old.pairs // particles)
+    lost = np.empty(chunks_of(particles, chunk), dtype=np.int64)
+    # far pairs are rare: mostly it is cheaper to see afterwards that none is missing
+    ask_first = old.far > 0
+    while True:
+        strays = _no_strays()
+        if ask_first:
+            strays = _find_strays(rows, kernel, old, buffer, chunk, new_row_of_old if mapped else None)
+        near, row = _near_rows(rows, kernel, grid, strays, capacity, 0.5 * buffer, chunk)
+        new = PairList.allocate(row, chunk=chunk, history_width=history_width)
+        _writer(history_width).write(
+            chunk, near, ids, row, new.a, new.b, new.bond, new.touching, new.history,
+            old.chunk, old.row, old.a, old.b, old.bond, old.touching, old.history, mapped, old_row_of_new, lost,
+        )  # fmt: skip
+        new.far = strays.pairs
+        if ask_first or lost.sum() == 0:
+            return new
+        ask_first = True
+
+
+def _near_rows(
+    rows: Floats,
+    kernel: ModuleType,
+    grid: _Grid,
+    strays: _Strays,
+    capacity: int,
+    half_buffer: float,
+    chunk: int,
+) -> tuple[NDArray[np.int32], Integers]:
+    """Rows near to every row, chunk by chunk (chunks, capacity), and where the pairs of every row begin (n + 1,)."""
+    parts = chunks_of(len(rows), chunk)
+    row = np.zeros(len(rows) + 1, dtype=np.int64)
+    failed = np.zeros(parts, dtype=np.uint8)
+    levels = grid.levels
     while True:
         near = np.empty((parts, capacity), dtype=np.int32)
         kernel.find(
-            rows, 0.5 * buffer, chunk,
+            rows, half_buffer, chunk,
             levels.origin, levels.reach, levels.inverse, levels.shape, levels.offset,
-            grid.start, grid.order, grid.spot, stray_row, stray, near, row, failed,
+            grid.start, grid.order, grid.spot, strays.row, strays.listed, near, row, failed,
         )  # fmt: skip
         if not failed.any():
             break
         capacity *= 2
     kernel.sum_up(row)
-
-    new = PairList.allocate(row, chunk=chunk, history_width=history_width)
-    _writer(history_width).write(
-        chunk, near, ids, row, new.a, new.b, new.bond, new.touching, new.history,
-        old.chunk, old.row, old.a, old.b, old.bond, old.touching, old.history, mapped, old_row_of_new,
-    )  # fmt: skip
-    return new
+    return near, row
