@@ -25,9 +25,9 @@ RADIUS = 3
 FAR = 1e9
 BLOCK = 4096
 
-LEVEL_RATIO = 3.0
-"""Largest over smallest radius on one level, where there are several."""
-ONE_LEVEL_RATIO = {2: 10.0, 3: 4.0}
+LEVEL_RATIO = 3.2
+"""Largest over smallest radius on one level, about, where there are several; measured."""
+ONE_LEVEL_RATIO = {2: 20.0, 3: 4.5}
 """Largest over smallest radius up to which one level holds all particles, by dimension; measured."""
 MOST_LEVELS = 16
 """Particles smaller than the finest level's bound share it."""
@@ -89,9 +89,11 @@ def plan_levels(
     largest = float(rows[:, radius_column].max())
     smallest = float(radii.min())
     levels = 1
-    if multilevel and largest > ONE_LEVEL_RATIO[dimension] * smallest:
-        levels = 1 + min(math.floor(math.log(largest / smallest, LEVEL_RATIO)), MOST_LEVELS - 1)
-    bound = largest * LEVEL_RATIO ** -np.arange(levels, dtype=np.float64)
+    ratio = largest / smallest
+    if multilevel and ratio > ONE_LEVEL_RATIO[dimension]:
+        levels = min(max(round(math.log(ratio, LEVEL_RATIO)), 2), MOST_LEVELS)
+    # equal steps, so that no level is left with the few smallest particles only
+    bound = largest * ratio ** (-np.arange(levels) / levels)
     level = np.searchsorted(-bound, -radii, side="right") - 1
     share = (np.bincount(level, minlength=levels) + 1) / len(sample)
 

@@ -57,7 +57,7 @@ def test_finds_all_near_pairs_and_no_other(dimension, ratio, multilevel):
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_one_grid_and_several_give_the_same_list(dimension):
     rng = np.random.default_rng(4)
-    rows = random_rows(rng, 900, dimension, ratio=20.0)
+    rows = random_rows(rng, 900, dimension, ratio=40.0)
     ids = np.arange(len(rows))
     assert same_bits(
         search(rows, ids, dimension=dimension, multilevel=True),
@@ -206,8 +206,8 @@ def test_large_particles_among_many_small_ones(dimension, threads):
     """A large one meets more cells and particles than the work space holds at first."""
     _jit.set_threads(threads)
     rng = np.random.default_rng(14)
-    rows = random_rows(rng, 3000, dimension, ratio=20.0)
-    rows[::500, RADIUS[dimension]] = 20.0
+    rows = random_rows(rng, 3000, dimension, ratio=30.0)
+    rows[::500, RADIUS[dimension]] = 30.0
     ids = np.arange(len(rows))
     expected = near_pairs(rows, ids, dimension, 0.2)
     pairs = None
