@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +11,16 @@ from numpy.typing import NDArray
 
 from .integrators.critical_step import critical_step, largest_frequency
 from .integrators.link_stiffness import law_stiffness
-from .integrators.network import RIGID, Links, anchor_springs, build_network, joined, links, stiffness_matrix
+from .integrators.network import (
+    RIGID,
+    Links,
+    Springs,
+    anchor_springs,
+    build_network,
+    joined,
+    links,
+    stiffness_matrix,
+)
 
 if TYPE_CHECKING:
     from .particle_simulation import ParticleSimulation
@@ -32,6 +42,18 @@ def current_links(simulation: ParticleSimulation, *, walls_only: bool = False) -
     """
     wall = _wall_links(simulation)
     return wall if walls_only else joined(_pair_links(simulation), wall)
+
+
+def current_springs(simulation: ParticleSimulation) -> Springs | None:
+    """Springs of the anchors where the particles are now, by row; None where there are none."""
+    s = simulation
+    anchors = s.assembly.anchors
+    if anchors is None:
+        return None
+    by_row = np.empty(s.assembly.particles, dtype=np.int32)
+    by_row[s.arrays.ids] = np.arange(len(by_row))
+    positions = np.ascontiguousarray(s.now[:, s.columns.position])
+    return anchor_springs(positions, replace(anchors, particle=by_row[anchors.particle]))
 
 
 def touching_links(simulation: ParticleSimulation) -> Links:
@@ -164,21 +186,7 @@ def critical_time_step(s: ParticleSimulation, *, local_damping: float) -> float:
         positions = np.ascontiguousarray(s.now[:, s.columns.position])
         inertias = np.column_stack([mass] * s.dimension + [inertia] * s.assembly.rotations)
         if n <= MEASURED_WHOLE:
-            springs = None
-            if s.assembly.anchors is not None:
-                by_row = np.empty(n, dtype=np.int64)
-                by_row[s.arrays.ids] = np.arange(n)
-                anchors = s.assembly.anchors
-                springs = anchor_springs(
-                    positions,
-                    type(anchors)(
-                        by_row[anchors.particle].astype(np.int32),
-                        anchors.point,
-                        anchors.stiffness,
-                        anchors.length,
-                    ),
-                )
-            matrix = stiffness_matrix(build_network(positions, found, springs))
+            matrix = stiffness_matrix(build_network(positions, found, current_springs(s)))
             frequency = max(frequency, largest_frequency(matrix, inertias, held))
         else:
             frequency = max(frequency, _largest_of_parts(found, positions, inertias, held))

@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from .errors import InputError
 from .integrators.elastic_network import solve_network
 from .integrators.mass_scaling import scaled_inertia
-from .integrators.network import RIGID, Links, anchor_springs, build_network
-from .particle_network import current_links, touching_links
+from .integrators.network import RIGID, Links, build_network
+from .particle_network import current_links, current_springs, touching_links
 from .particle_simulation import ParticleSimulation, UnstableError
 
 Floats = NDArray[np.float64]
@@ -145,21 +145,11 @@ class _Search:
         s = self.simulation
         return np.asarray(s.assembly.held[s.arrays.ids])
 
-    def _springs(self, positions: Floats):  # type: ignore[no-untyped-def]
-        s = self.simulation
-        anchors = s.assembly.anchors
-        if anchors is None:
-            return None
-        by_row = np.empty(len(positions), dtype=np.int32)
-        by_row[s.arrays.ids] = np.arange(len(positions))
-        moved = type(anchors)(by_row[anchors.particle], anchors.point, anchors.stiffness, anchors.length)
-        return anchor_springs(positions, moved)
-
     def _scale_inertia(self) -> None:
         """Inertia for a step of one; every listed pair counts as touching."""
         s = self.simulation
         positions = np.ascontiguousarray(s.now[:, s.columns.position])
-        network = build_network(positions, current_links(s), self._springs(positions))
+        network = build_network(positions, current_links(s), current_springs(s))
         mass, inertia = scaled_inertia(network, self._held())
         self.inverse = (1.0 / (INERTIA_MARGIN * mass), 1.0 / (INERTIA_MARGIN * inertia))
         self.searches = s.searches
@@ -179,7 +169,7 @@ class _Search:
         # one step without inertia's answer: the resultants of where everything is now
         self._step(1, math.inf, (self.still, self.still))
         positions = np.ascontiguousarray(s.now[:, s.columns.position])
-        network = build_network(positions, links, self._springs(positions))
+        network = build_network(positions, links, current_springs(s))
         held = self._held() | self._loose(links)
         load = s.force.copy()
         load[held] = 0.0

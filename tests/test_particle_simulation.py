@@ -7,6 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from geodem.assembly import Servo
+from geodem.boundaries.walls import plane
 from geodem.builders.assembly_builder import AssemblyBuilder
 from geodem.errors import InputError
 from geodem.particle_simulation import ParticleSimulation
@@ -106,3 +108,22 @@ def test_account_closes_as_the_square_of_the_step():
     assert found[0] < 4e-3
     assert found[1] < 1e-3
     assert found[0] > 3.0 * found[1]
+
+
+def test_two_anchors_on_one_particle_are_refused():
+    builder = AssemblyBuilder(2)
+    builder.add_material("m", density=2000.0, contact=CONTACT)
+    builder.add_particles([[0.0, 0.0]], 0.01, "m")
+    builder.anchor([0], (0.0, 1.0), 1e3)
+    builder.anchor([0], (1.0, 0.0), 1e3)
+    with pytest.raises(InputError, match=r"particle 0: it has more than one anchor"):
+        ParticleSimulation(builder.build())
+
+
+def test_a_servo_that_nothing_is_near_to_is_refused():
+    builder = AssemblyBuilder(2)
+    builder.add_material("m", density=2000.0, contact=CONTACT)
+    builder.add_particles([[0.0, 0.0]], 0.01, "m")
+    builder.add_wall(plane("lid", (0.0, 1.0), (0.0, -1.0), servo=Servo((0.0, -1.0), 10.0, 0.1)))
+    with pytest.raises(InputError, match=r"wall 'lid', servo.*no particle is within"):
+        ParticleSimulation(builder.build())
