@@ -21,9 +21,7 @@ slope: $(VENV)/run.done
 	@$(BIN)/geodem run $(CASE) --out $(OUT)
 
 test: $(VENV)/dev.done $(VENV)/peers.done lint
-	@$(BIN)/python -m pytest tests --ignore-glob='tests/test_particle_*.py' --ignore=tests/verification/test_dice2d.py
-	@$(BIN)/python -m pytest tests/test_particle_*.py
-	@$(BIN)/python -m pytest tests/verification/test_dice2d.py
+	@$(BIN)/python -m pytest tests
 
 lint: $(VENV)/dev.done
 	@$(BIN)/ruff check geodem reference workflows tests

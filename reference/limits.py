@@ -28,7 +28,7 @@ from .scene_packings import touching_pairs
 from .scenes import Scene
 
 SOURCE = Path(__file__).parent / "limits_loop.c"
-OPTIONS = ("-O3", "-march=native", "-ffast-math", "-fopenmp", "-shared", "-fPIC")
+OPTIONS = ("-O3", "-march=native", "-ffast-math", "-fopenmp", "-fPIC")
 WIDTH = {2: 8, 3: 12}
 """Doubles in the row of a particle."""
 _LOADS = {2: 3, 3: 6}
@@ -168,7 +168,12 @@ def library() -> ctypes.CDLL:
     path = cache_folder() / f"limits_{digest}.so"
     if not path.exists():
         part = path.with_suffix(f".{os.getpid()}.part")
-        subprocess.run(["gcc", *OPTIONS, "-o", str(part), str(SOURCE), "-lm"], check=True)
+        # linked without -ffast-math: with it gcc adds start-up code that has the whole process flush denormal numbers
+        # to zero, Python and numpy included; scipy's k-d tree crashes then
+        unlinked = path.with_suffix(f".{os.getpid()}.o")
+        subprocess.run(["gcc", *OPTIONS, "-c", "-o", str(unlinked), str(SOURCE)], check=True)
+        subprocess.run(["gcc", "-shared", "-fopenmp", "-o", str(part), str(unlinked), "-lm"], check=True)
+        unlinked.unlink()
         os.replace(part, path)
     loaded = ctypes.CDLL(str(path))
     loaded.triad.restype = ctypes.c_double

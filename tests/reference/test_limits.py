@@ -139,3 +139,10 @@ def test_arrays_of_the_wrong_kind_are_refused():
 def test_the_triad_moves_what_it_counts():
     values = limits.triad(1, megabytes=64, repeats=3)
     assert all(1e9 < value < 1e12 for value in values)
+
+
+def test_the_library_leaves_the_arithmetic_of_the_process_alone():
+    """Half the smallest normal number is denormal; a process that flushes denormals makes it zero."""
+    limits.library()
+    half = np.array([np.finfo(np.float64).tiny]) * 0.5
+    assert half[0] > 0.0
