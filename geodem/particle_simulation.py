@@ -451,7 +451,9 @@ class ParticleSimulation:
         self.steps -= 1
         self.started = True
         now = self.rows[self.phase]
-        velocity = np.hstack([now[:, self.columns.velocity], now[:, self.columns.spin]])
+        # as given: even a step of no length leaves nothing quite at rest
+        given = self.rows[1 - self.phase]
+        velocity = np.hstack([given[:, self.columns.velocity], given[:, self.columns.spin]])
         resultant = self.force - self.local_damping * np.abs(self.force) * np.sign(velocity)
         inverse = np.column_stack(
             [arrays.inverse_mass] * d + [arrays.inverse_inertia] * self.assembly.rotations
@@ -461,6 +463,9 @@ class ParticleSimulation:
         )
         if not self.features.rotation:
             rate[:, d:] = 0.0
+        if self.local_damping > 0.0:
+            # half a step back from rest is a way backwards, on which local damping would push
+            rate[velocity == 0.0] = 0.0
         before = velocity - 0.5 * self.time_step * rate
         now[:, self.columns.velocity] = before[:, :d]
         now[:, self.columns.spin] = before[:, d:]
@@ -469,6 +474,13 @@ class ParticleSimulation:
         self.initial_energy = float(0.5 * both[free].sum())
         if self.features.energy:
             self.initial_energy += float(self.sums[:, [motion.TOTAL_ELASTIC, motion.ANCHORED]].sum())
+            # the first step counts the work on a way of half a step back, which was never gone
+            back = np.where(free, self.time_step * before, 0.0)
+            weight = self.assembly.gravity / arrays.inverse_mass[:, None]
+            self.sums[0, motion.GRAVITATION] -= float((weight * back[:, :d]).sum())
+            self.sums[0, motion.FORCING] -= float((arrays.applied * back).sum())
+            drag = self.local_damping * np.abs(self.force) * np.sign(before)
+            self.sums[0, motion.DAMPING] -= 0.5 * float((drag * back).sum())
 
     started: bool = False
     initial_energy: float = 0.0

@@ -81,6 +81,7 @@ def move(
     inertia = 0.0
     damped = 0.0
     driven = 0.0
+    # work of constant forces on the way to where the particle is now, which is where its energies are those of
     fallen = 0.0
     forced = 0.0
     anchored = 0.0
@@ -137,8 +138,8 @@ def move(
                         damped += drag * mean * time_step
                     if GLOBAL:
                         damped += global_damping * mean * mean / inverse_mass[i] * time_step
-                    fallen += weight * mean * time_step
-                    forced += given * mean * time_step
+                    fallen += weight * v * time_step
+                    forced += given * v * time_step
             elif ENERGY:
                 driven -= (f - weight - given) * v * time_step
             speed += w * w
@@ -175,7 +176,7 @@ def move(
                             damped += drag * mean * time_step
                         if GLOBAL:
                             damped += global_damping * mean * mean / inverse_inertia[i] * time_step
-                        forced += given * mean * time_step
+                        forced += given * v * time_step
                 elif ENERGY:
                     driven -= (f - given) * v * time_step
                 following[i, SPIN + axis] = w
