@@ -89,9 +89,12 @@ class ParticleReading:
         Tension and shear over strength where the kernel notes them.
     sums : (chunks, 17)
         See `geodem.kernels.motion`.
+    asleep : (chunks,) uint8
+        Of chunks of `chunk` rows each.
     reference : (n, d) [m]
         Where the particles were at the last search.
-    stages : list of (first step, time [s], moving)
+    stages : list of (first step, time [s], time step [s])
+        The step is 0 where time stands still.
     """
 
     assembly: Assembly
@@ -109,8 +112,11 @@ class ParticleReading:
     record: Floats
     utilisation: Floats
     sums: Floats
+    chunk: int
+    asleep: NDArray[np.uint8]
     reference: Floats
-    stages: list[tuple[int, float, bool]]
+    stages: list[tuple[int, float, float]]
+    steps: int
     time_step: float
     initial_energy: float
 
@@ -123,6 +129,12 @@ class ParticleReading:
         found = np.empty_like(values)
         found[self.arrays.ids] = values
         return found
+
+    @property
+    def time(self) -> float:
+        """Time since the start [s]; the same however the steps were asked for."""
+        first, begun, length = self.stages[-1]
+        return begun + (self.steps - first) * length
 
     @property
     def positions(self) -> Floats:
@@ -156,8 +168,12 @@ class ParticleReading:
 
     @property
     def forces(self) -> Floats:
-        """Resultant forces and torques (n, d + s) [N, N m] of the last step, gravity and applied ones included."""
-        return self._by_particle(self.force)
+        """Resultant forces and torques (n, d + s) [N, N m] of the last step, gravity and applied ones included.
+
+        What sleeps is taken to be in balance.
+        """
+        asleep = np.repeat(self.asleep > 0, self.chunk)[: len(self.force)]
+        return self._by_particle(np.where(asleep[:, None], 0.0, self.force))
 
     def unbalanced_ratio(self) -> float:
         """Root mean square of the resultants of free particles over the mean contact force [-], last step."""
@@ -203,13 +219,12 @@ class ParticleReading:
         found = record[which]
         energy: Floats = found[:, 2] if self.features.energy else np.full(len(found), np.nan)
         step = found[:, 1].astype(np.int64)
-        first, begun, moving = (np.array(column) for column in zip(*self.stages, strict=True))
+        first, begun, length = (np.array(column) for column in zip(*self.stages, strict=True))
         stage = np.searchsorted(first, step, side="right") - 1
-        # in statics time stands still
-        times = np.where(moving[stage], begun[stage] + (step - first[stage]) * self.time_step, begun[stage])
+        times = begun[stage] + (step - first[stage]) * length[stage]
         place = np.ascontiguousarray(found[:, 3:], dtype=np.float64)
         return BrokenBonds(
-            which, found[:, 0].astype(np.int64), step, times.astype(np.float64), ~moving[stage], place, energy
+            which, found[:, 0].astype(np.int64), step, times, length[stage] == 0.0, place, energy
         )
 
     def wall_force(self, name: str) -> Floats:
