@@ -14,6 +14,7 @@ from .errors import InputError
 from .kernels import motion
 from .kernels.adapters import HistoryLayout
 from .kernels.particle_kernel import Features
+from .measure.contact_forces import law_forces
 from .measure.particle_energy import ParticleEnergy
 from .neighbors import PairList
 from .particle_layout import Columns, RowArrays
@@ -83,6 +84,9 @@ class ParticleReading:
     force : (n, d + s) [N, N m]
     pairs : PairList
     walls : WallTable
+    table, bond_table : (m * m, k)
+        Parameters of contacts and bonds by pair of materials.
+    bond_scale : (b,) [-]
     record : (b, 3 + d)
         Of every bond: mode of its break (0: intact), step, energy, place.
     utilisation : (b, 2) [-]
@@ -109,6 +113,9 @@ class ParticleReading:
     force: Floats
     pairs: PairList
     walls: WallTable
+    table: Floats
+    bond_table: Floats
+    bond_scale: Floats
     record: Floats
     utilisation: Floats
     sums: Floats
@@ -187,25 +194,76 @@ class ParticleReading:
         thrust = float(self.sums[:, motion.THRUST].sum()) / contacts
         return unbalanced / thrust if thrust > 0.0 else (math.inf if unbalanced > 0.0 else 0.0)
 
+    def _touching_pairs(self) -> NDArray[np.int64]:
+        """Where in the list the pairs stand that touch or are bonded, each once, in the order of `contacts`."""
+        p, ids = self.pairs, self.arrays.ids
+        once = (p.listed_under() == np.minimum(p.a, p.b)) & ((p.touching > 0) | (p.bond > 0))
+        which = np.flatnonzero(once)
+        return which[np.lexsort((ids[p.b[which]], ids[p.a[which]]))]
+
     def contacts(self) -> Contacts:
         """Pairs that touch or are bonded."""
-        p = self.pairs
-        under = p.listed_under()
-        once = (under == np.minimum(p.a, p.b)) & ((p.touching > 0) | (p.bond > 0))
-        ids = self.arrays.ids
-        pairs = np.stack([ids[p.a[once]], ids[p.b[once]]], axis=1)
-        order = np.lexsort((pairs[:, 1], pairs[:, 0]))
-        apart = self.now[p.b[once]][:, self.columns.position] - self.now[p.a[once]][:, self.columns.position]
+        p, ids, which = self.pairs, self.arrays.ids, self._touching_pairs()
+        a, b = p.a[which], p.b[which]
+        apart = self.now[b][:, self.columns.position] - self.now[a][:, self.columns.position]
         radius = self.columns.radius
-        overlap = self.now[p.a[once], radius] + self.now[p.b[once], radius] - np.sqrt((apart**2).sum(axis=1))
-        history = p.history[once][order]
+        overlap = self.now[a, radius] + self.now[b, radius] - np.sqrt((apart**2).sum(axis=1))
+        history = p.history[which]
         names = [*self.layout.contact, *(f"bond.{name}" for name in self.layout.bond)]
         return Contacts(
-            pairs[order],
-            (p.bond[once] > 0)[order],
-            overlap[order],
+            np.stack([ids[a], ids[b]], axis=1),
+            p.bond[which] > 0,
+            overlap,
             {name: history[:, k] for k, name in enumerate(names)},
         )
+
+    def contact_forces(self) -> tuple[Floats, Floats]:
+        """Forces of contacts and their bonds where the particles are, in the order of `contacts`.
+
+        Returns
+        -------
+        normal : (k,) [N]
+            Pressing where positive.
+        shear : (k, d) [N]
+            On the first of the two. Forces of dashpots are left out of both.
+        """
+        p, columns, which = self.pairs, self.columns, self._touching_pairs()
+        a, b = self.now[p.a[which]], self.now[p.b[which]]
+        apart = b[:, columns.position] - a[:, columns.position]
+        distance = np.sqrt((apart**2).sum(axis=1))
+        along = apart / distance[:, None]
+        radius = columns.radius
+        history = p.history[which]
+        overlap = a[:, radius] + b[:, radius] - distance
+        if self.layout.offset is not None:
+            overlap = overlap + history[:, self.layout.offset]
+        known = {
+            "overlap": overlap, "radius_a": a[:, radius], "radius_b": b[:, radius], "distance": distance,
+            "mass_a": a[:, columns.mass], "mass_b": b[:, columns.mass],
+            "time_step": np.full(len(which), self.time_step),
+        }  # fmt: skip
+        row = (a[:, columns.material] * len(self.assembly.material_names) + b[:, columns.material]).astype(
+            int
+        )
+        contact, bond = self.features.laws()
+        found = np.zeros((len(which), 4))
+        bonded = p.bond[which] > 0
+        pressed = (p.touching[which] > 0) & ((overlap > 0.0) | hasattr(contact, "reach"))
+        if bond is not None:
+            if bond.REPLACES_CONTACT:
+                pressed &= ~bonded
+            first = len(self.layout.contact)
+            own = known | {name: history[:, first + k] for k, name in enumerate(self.layout.bond)}
+            own["scale"] = self.bond_scale[np.maximum(p.bond[which] - 1, 0)]
+            chosen = {name: value[bonded] for name, value in own.items()}
+            found[bonded] += law_forces(bond, self.dimension, self.bond_table[row[bonded]], chosen)
+        own = known | {name: history[:, k] for k, name in enumerate(self.layout.contact)}
+        chosen = {name: value[pressed] for name, value in own.items()}
+        found[pressed] += law_forces(contact, self.dimension, self.table[row[pressed]], chosen)
+        if self.dimension == 3:
+            return found[:, 0], found[:, 1:]
+        across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+        return found[:, 0], found[:, 1:2] * across
 
     def intact(self) -> NDArray[np.bool_]:
         """Which bonds (b,) are intact."""
