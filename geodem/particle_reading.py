@@ -15,7 +15,7 @@ from .kernels import motion
 from .kernels.adapters import HistoryLayout
 from .kernels.particle_kernel import Features
 from .measure.contact_forces import law_forces
-from .measure.particle_energy import ParticleEnergy
+from .measure.particle_energy import HalfStep, ParticleEnergy, half_step_ahead
 from .neighbors import PairList
 from .particle_layout import Columns, RowArrays
 
@@ -125,6 +125,8 @@ class ParticleReading:
     stages: list[tuple[int, float, float]]
     steps: int
     time_step: float
+    local_damping: float
+    global_damping: float
     initial_energy: float
 
     @property
@@ -306,19 +308,36 @@ class ParticleReading:
                 "energy", "this simulation keeps no account", "Give ParticleSimulation energy=True"
             )
         sums = self.sums.sum(axis=0)
+        ahead = self._half_step_ahead()
         return ParticleEnergy(
             kinetic=float(sums[motion.KINETIC]),
             elastic=float(sums[motion.TOTAL_ELASTIC] + sums[motion.ANCHORED]),
             friction=float(sums[motion.TOTAL_FRICTION]),
-            damping=float(sums[motion.DAMPING]),
+            damping=float(sums[motion.DAMPING]) - ahead.damping,
             viscous=float(sums[motion.TOTAL_VISCOUS]),
             broken=float(sums[motion.TOTAL_BROKEN]),
             gravity=float(sums[motion.GRAVITATION]),
             applied=float(sums[motion.FORCING]),
-            driven=float(sums[motion.DRIVEN]),
+            driven=float(sums[motion.DRIVEN]) - ahead.driven,
             walls=float(self.walls.work().sum()) if self.assembly.walls else 0.0,
             initial=self.initial_energy,
         )
+
+    def _half_step_ahead(self) -> HalfStep:
+        arrays, d = self.arrays, self.dimension
+        inertia = np.column_stack(
+            [1.0 / arrays.inverse_mass] * d + [1.0 / arrays.inverse_inertia] * self.assembly.rotations
+        )
+        given = np.broadcast_to(arrays.applied, inertia.shape).copy()
+        given[:, :d] += self.assembly.gravity * inertia[:, :d]
+        velocity, spin = self.columns.velocity, self.columns.spin
+        after, before = (
+            np.hstack([rows[:, velocity], rows[:, spin]]) for rows in (self.now, self.rows[1 - self.phase])
+        )
+        return half_step_ahead(
+            self.force, given, inertia, self.assembly.held[arrays.ids], before, after,
+            time_step=self.time_step, local_damping=self.local_damping, global_damping=self.global_damping,
+        )  # fmt: skip
 
     def nbytes(self) -> int:
         """Memory of the state, the lists and what the steps read [bytes]."""

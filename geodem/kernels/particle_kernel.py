@@ -115,7 +115,7 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
     adapters += [*fours.texts(), source(pairs.fetch_ahead)]
     loops: list[Callable[..., Any]] = []
     if not blocked:
-        loops += [pairs.account, pairs.forget, pairs.pairs]
+        loops += [pairs.account, pairs.pairs]
     if features.walls:
         law_texts, more = wall_adapters(
             contact, dimension=features.dimension, layout=layout, viscous=features.contact_viscous
@@ -123,7 +123,7 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
         law_functions += law_texts
         adapters += more
         if blocked:
-            loops += [pairs.account, pairs.forget]
+            loops += [pairs.account]
         loops += [*walls.FUNCTIONS, *wall_motion.MOTION_FUNCTIONS]
     else:
         adapters += ["wall_forces = None", "gather_wall_forces = None", "move_walls = None"]
