@@ -184,6 +184,18 @@ class ParticleReading:
         asleep = np.repeat(self.asleep > 0, self.chunk)[: len(self.force)]
         return self._by_particle(np.where(asleep[:, None], 0.0, self.force))
 
+    def kinetic_energy(self) -> float:
+        """Kinetic energy of all velocities, held ones included, half a step before the positions [J] (2D: J per m)."""
+        ids = self.arrays.ids
+        moving = self.assembly.mass[ids] * (self.now[:, self.columns.velocity] ** 2).sum(axis=1)
+        turning = self.assembly.inertia[ids] * (self.now[:, self.columns.spin] ** 2).sum(axis=1)
+        # not a product of vectors, whose bits depend on the library's threads
+        return 0.5 * float((moving + turning).sum())
+
+    def contact_count(self) -> int:
+        """Contacts and bonds that carried force in the last step, walls included."""
+        return int(self.sums[:, motion.CONTACTS].sum())
+
     def unbalanced_ratio(self) -> float:
         """Root mean square of the resultants of free particles over the mean contact force [-], last step."""
         free = int((~self.assembly.held[:, : self.dimension].all(axis=1)).sum())

@@ -68,6 +68,11 @@ def read_particles(path: Path | str, *, other_version: bool = False) -> tuple[As
         raise InputError(place, f"the checkpoint lacks a part ({error})", PARTICLES.again) from error
 
 
+def checkpoint_step(path: Path | str) -> int:
+    """Step that a checkpoint holds, of whatever version of geodem; raises InputError where it cannot be read."""
+    return int(read_checkpoint(path, PARTICLES)["state"]["plain"]["numbers"]["steps"])
+
+
 def assembly_tree(assembly: Assembly) -> Tree:
     """An assembly as a checkpoint tree."""
     tree: Tree = {}
