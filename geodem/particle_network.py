@@ -32,6 +32,10 @@ MATRIX_LIMIT = 20_000
 """Up to this many particles the largest frequency is that of a matrix; beyond, no matrix is made."""
 
 
+MOST_PARTS = 100
+"""Loose parts that are looked at: one that falls is enough to know that there is no equilibrium."""
+
+
 def current_links(simulation: ParticleSimulation, *, walls_only: bool = False) -> Links:
     """Links of all pairs that are listed, as if those within the buffer touched, and of all listed wall pairs.
 
@@ -59,6 +63,54 @@ def touching_links(simulation: ParticleSimulation) -> Links:
     wall = _wall_links(simulation)
     touching = simulation.wall_pairs.touching > 0
     return joined(pairs, _chosen(wall, touching))
+
+
+def falling_freely(simulation: ParticleSimulation) -> NDArray[np.int64]:
+    """Particles of parts that nothing holds, with nothing in the way of their fall.
+
+    Parts are what bonds and touching contacts join. A part is held where a particle of it is held or anchored, or
+    touches a wall; its fall is along the sum of its loads, and in its way is whatever that is held lies ahead of it
+    within its width. Bounded walls count as in the way wherever they are.
+    """
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    s = simulation
+    n, d = s.assembly.particles, s.dimension
+    ids = s.arrays.ids
+    links = touching_links(s)
+    inner = links.second != RIGID
+    ends = (links.first[inner], links.second[inner])
+    parts, part = connected_components(
+        coo_matrix((np.ones(len(ends[0])), ends), shape=(n, n)), directed=False
+    )
+    held = np.array(s.assembly.held[ids][:, :d].any(axis=1))
+    held[links.first[~inner]] = True
+    if s.assembly.anchors is not None:
+        held |= np.isin(ids, s.assembly.anchors.particle)
+    supported = np.bincount(part, held, parts) > 0
+    if supported.all() or len(s.walls.kind) > np.count_nonzero(s.walls.kind == 0):
+        return np.empty(0, dtype=np.int64)
+    load = s.assembly.applied[ids, :d] + s.assembly.mass[ids, None] * s.assembly.gravity
+    positions, radius = s.now[:, s.columns.position], s.now[:, s.columns.radius]
+    planes = -s.walls.corners_now()[:, 1, :d] if len(s.walls.kind) else np.empty((0, d))
+    found = []
+    for number in np.flatnonzero(~supported)[:MOST_PARTS]:
+        own = part == number
+        pull = load[own].sum(axis=0)
+        size = float(np.sqrt(pull @ pull))
+        if size == 0.0 or (planes @ pull > 0.0).any():
+            continue
+        pull = pull / size
+        along = positions @ pull
+        aside = positions - along[:, None] * pull
+        low = (aside[own] - radius[own, None]).min(axis=0)
+        high = (aside[own] + radius[own, None]).max(axis=0)
+        ahead = ~own & (along > along[own].min())
+        meets = ((aside + radius[:, None] >= low) & (aside - radius[:, None] <= high)).all(axis=1)
+        if not (ahead & meets & supported[part]).any():
+            found.append(ids[own])
+    return np.concatenate([np.empty(0, dtype=np.int64), *found])
 
 
 def _pair_links(s: ParticleSimulation, *, listed: bool = True) -> Links:

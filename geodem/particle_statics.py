@@ -24,7 +24,8 @@ from .errors import InputError
 from .integrators.elastic_network import NetworkSolver
 from .integrators.mass_scaling import scaled_inertia
 from .integrators.network import RIGID, Links, build_network
-from .particle_network import current_links, current_springs, touching_links
+from .kernels import motion
+from .particle_network import current_links, current_springs, falling_freely, touching_links
 from .particle_simulation import ParticleSimulation, UnstableError
 
 Floats = NDArray[np.float64]
@@ -52,9 +53,6 @@ STALE = 0.25
 FIRST_FALL = 4
 """Looks at the balance before the first look for parts that fall freely; twice as many before each further one."""
 
-MOST_PARTS = 100
-"""Loose parts that are looked at: one that falls is enough to know that there is no equilibrium."""
-
 SETTLED = 1e-4
 """The last solve moves nothing farther than this share of the way gone: small forces may yet bend a large body."""
 
@@ -74,7 +72,7 @@ class Equilibrium:
     reached : bool
         Whether the unbalanced ratio came below the tolerance.
     unbalanced_ratio : float
-        [-]
+        See `balance` [-].
     steps : int
         Relaxation steps.
     rounds : int
@@ -115,7 +113,7 @@ def find_equilibrium(
     simulation : ParticleSimulation
         Held freedoms do not move, whatever their velocity; walls neither, unless driven by a servo.
     tolerance : float
-        Unbalanced ratio: root mean square of the resultants over the mean contact force [-].
+        Unbalanced ratio, see `balance` [-].
     most_steps : int
     solve : bool
         Start from the elastic state.
@@ -144,11 +142,31 @@ def find_equilibrium(
             broken.append(new)
             rounds += 1
             reason = search.relax(tolerance, most_steps, progress)
-        ratio = simulation.unbalanced_ratio()
+        ratio = balance(simulation)
     return Equilibrium(
         not reason, ratio, search.steps, rounds, np.concatenate([np.empty(0, np.int64), *broken]), solves,
         time.perf_counter() - start, reason,
     )  # fmt: skip
+
+
+def balance(simulation: ParticleSimulation) -> float:
+    """Unbalanced ratio of the last step [-]: root mean square of the resultants of free particles, over a force.
+
+    That force is the mean normal force of the contacts, or the root mean square of the loads where that is more: a
+    beam that is bent across carries its load without normal forces.
+    """
+    s = simulation
+    d = s.dimension
+    free = ~s.assembly.held[:, :d].all(axis=1)
+    if not free.any():
+        return 0.0
+    unbalanced = math.sqrt(float(s.sums[:, motion.UNBALANCED].sum()) / int(free.sum()))
+    load = s.assembly.applied[free, :d] + s.assembly.mass[free, None] * s.assembly.gravity
+    force = math.sqrt(float((load**2).sum()) / len(load))
+    contacts = float(s.sums[:, motion.CONTACTS].sum())
+    if contacts > 0.0:
+        force = max(force, float(s.sums[:, motion.THRUST].sum()) / contacts)
+    return unbalanced / force if force > 0.0 else (math.inf if unbalanced > 0.0 else 0.0)
 
 
 class _Search:
@@ -202,7 +220,7 @@ class _Search:
         while True:
             # one step without inertia's answer: the resultants of where everything is now
             self._step(1, math.inf, (self.still, self.still))
-            ratio = s.unbalanced_ratio()
+            ratio = balance(s)
             if solves == most or (ratio < tolerance and farthest <= SETTLED * way):
                 break
             if solver is not None and not ratio <= STALE * last:
@@ -283,7 +301,7 @@ class _Search:
                 self.steps += done
                 if self.searches != s.searches:
                     break
-            ratio = s.unbalanced_ratio()
+            ratio = balance(s)
             if not math.isfinite(ratio) and not np.isfinite(s.now).all():
                 raise UnstableError(
                     "the relaxation has lost a particle: forces beyond what float64 can carry"
@@ -307,7 +325,7 @@ class _Search:
         s = self.simulation
         self._stop()
         self._step(1, math.inf, (self.still, self.still))
-        return s.unbalanced_ratio() < tolerance
+        return balance(s) < tolerance
 
     def break_bonds(self, share: float) -> NDArray[np.int64]:
         """Break the most overstressed bonds in the present equilibrium; their numbers."""
@@ -322,54 +340,6 @@ class _Search:
         self._stop()
         self._step(1, limit, (self.still, self.still))
         return np.flatnonzero(intact & ~s.intact())
-
-
-def falling_freely(simulation: ParticleSimulation) -> NDArray[np.int64]:
-    """Particles of parts that nothing holds, with nothing in the way of their fall.
-
-    Parts are what bonds and touching contacts join. A part is held where a particle of it is held or anchored, or
-    touches a wall; its fall is along the sum of its loads, and in its way is whatever that is held lies ahead of it
-    within its width. Bounded walls count as in the way wherever they are.
-    """
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    s = simulation
-    n, d = s.assembly.particles, s.dimension
-    ids = s.arrays.ids
-    links = touching_links(s)
-    inner = links.second != RIGID
-    ends = (links.first[inner], links.second[inner])
-    parts, part = connected_components(
-        coo_matrix((np.ones(len(ends[0])), ends), shape=(n, n)), directed=False
-    )
-    held = np.array(s.assembly.held[ids][:, :d].any(axis=1))
-    held[links.first[~inner]] = True
-    if s.assembly.anchors is not None:
-        held |= np.isin(ids, s.assembly.anchors.particle)
-    supported = np.bincount(part, held, parts) > 0
-    if supported.all() or len(s.walls.kind) > np.count_nonzero(s.walls.kind == 0):
-        return np.empty(0, dtype=np.int64)
-    load = s.assembly.applied[ids, :d] + s.assembly.mass[ids, None] * s.assembly.gravity
-    positions, radius = s.now[:, s.columns.position], s.now[:, s.columns.radius]
-    planes = -s.walls.corners_now()[:, 1, :d] if len(s.walls.kind) else np.empty((0, d))
-    found = []
-    for number in np.flatnonzero(~supported)[:MOST_PARTS]:
-        own = part == number
-        pull = load[own].sum(axis=0)
-        size = float(np.sqrt(pull @ pull))
-        if size == 0.0 or (planes @ pull > 0.0).any():
-            continue
-        pull = pull / size
-        along = positions @ pull
-        aside = positions - along[:, None] * pull
-        low = (aside[own] - radius[own, None]).min(axis=0)
-        high = (aside[own] + radius[own, None]).max(axis=0)
-        ahead = ~own & (along > along[own].min())
-        meets = ((aside + radius[:, None] >= low) & (aside - radius[:, None] <= high)).all(axis=1)
-        if not (ahead & meets & supported[part]).any():
-            found.append(ids[own])
-    return np.concatenate([np.empty(0, dtype=np.int64), *found])
 
 
 class _Standstill:

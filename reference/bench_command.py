@@ -4,11 +4,19 @@ from __future__ import annotations
 
 import argparse
 
-from .benchmarks import large, limits, peers, slopes, statics
+from .benchmarks import features, frontier, large, limits, peers, slopes, statics
 
 HELP = "measure run time, against error or against other programs, and store the rows under reference/results"
 
-BENCHMARKS = {"slopes": slopes, "peers": peers, "limits": limits, "statics": statics, "large": large}
+BENCHMARKS = {
+    "slopes": slopes,
+    "peers": peers,
+    "limits": limits,
+    "statics": statics,
+    "large": large,
+    "features": features,
+    "frontier": frontier,
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -1,7 +1,7 @@
 """docs/verification.md and docs/performance.md, made from the stored results; nobody types a number there.
 
-The tables are read from ``slopes.json`` and ``ground.json`` in ``reference/results``. A file that is absent
-is told as such on the page.
+The tables are read from ``slopes.json``, ``ground.json`` and those of the benchmarks of discs and spheres (see
+`reference.pages_engine`) in ``reference/results``. A file that is absent is told as such on the page.
 """
 
 from __future__ import annotations
@@ -15,6 +15,8 @@ from pathlib import Path
 from statistics import fmean, median
 from typing import Any
 
+from reference.pages_engine import PICTURE as ENGINE_PICTURE
+from reference.pages_engine import SECTIONS, engine_part, write_engine_picture
 from reference.pages_tables import DILATIONS, METHODS, Row, by_case, groups, number, sizes, table
 
 HELP = "write docs/verification.md and docs/performance.md from the stored results"
@@ -77,14 +79,16 @@ def write_pages(results: Path = RESULTS, docs: Path = DOCS) -> list[Path]:
         A file is there and is not what `read_results` expects.
     """
     slopes, ground = read_results(results / "slopes.json"), read_results(results / "ground.json")
+    engine = {section.name: read_results(results / f"{section.name}.json") for section in SECTIONS}
+    docs.mkdir(parents=True, exist_ok=True)
+    drawn = write_engine_picture(engine["frontier"].rows, docs / ENGINE_PICTURE)
     texts = {
         docs / "verification.md": verification_page(slopes, ground),
-        docs / "performance.md": performance_page(slopes),
+        docs / "performance.md": performance_page(slopes) + "\n" + engine_page(engine, picture=drawn),
     }
-    docs.mkdir(parents=True, exist_ok=True)
     for path, text in texts.items():
         path.write_text(text, encoding="utf-8")
-    written = list(texts)
+    written = [*texts, *([docs / ENGINE_PICTURE] if drawn else [])]
     picture = docs / PICTURE
     if _plottable(slopes.rows):
         from reference.pages_chart import error_against_time
@@ -166,6 +170,13 @@ def performance_page(slopes: Stored) -> str:
         parts += [f"## {METHODS.get(method, method)}, {DILATIONS.get(dilation, dilation)}\n", _times(rows)]
         parts += ["Seconds of every slope:\n", by_case(rows, lambda row: number(row.get("seconds"), 2))]
     return "\n".join(parts)
+
+
+def engine_page(engine: Mapping[str, Stored], *, picture: bool) -> str:
+    """The part of docs/performance.md on discs and spheres in motion."""
+    rows = {name: stored.rows for name, stored in engine.items()}
+    headers = {name: _header(stored) for name, stored in engine.items()}
+    return "\n".join(engine_part(rows, headers, NOT_RUN, picture=picture))
 
 
 # --- slopes -------------------------------------------------------------------------------------------------

@@ -24,7 +24,7 @@ from geodem.builders.packings import lattice
 from geodem.builders.random_packing import random_packing
 from geodem.particle_network import current_links
 from geodem.particle_simulation import ParticleSimulation
-from geodem.particle_statics import find_equilibrium
+from geodem.particle_statics import balance, find_equilibrium
 
 from .checks import Results, check
 
@@ -121,7 +121,7 @@ def by_damping(
     reached = False
     while not reached and simulation.steps < most_steps:
         simulation.run(LOOK)
-        reached = simulation.unbalanced_ratio() < tolerance
+        reached = balance(simulation) < tolerance
     seconds = time.perf_counter() - start
     return _rest(simulation, simulation.steps, seconds, reached)
 

@@ -136,6 +136,53 @@ def test_picture_of_error_against_time(written):
         assert picture.width > 600  # a panel for each of the two methods
 
 
+def _check(name, measured, least=None, most=None, **details):
+    return {"check": name, "unit": "s", "measured": measured, "low": 0.5 * measured, "high": measured,
+            "held_to_least": least, "held_to_most": most, **details}  # fmt: skip
+
+
+def test_what_the_engine_is_held_to(tmp_path):
+    from PIL import Image
+
+    results, docs = tmp_path / "results", tmp_path / "docs"
+    results.mkdir()
+    limits = {"scene": "touching", "particles": 10_000, "threads": 2, "ratio": 1.5, "ratio_low": 1.25,
+              "ratio_high": 1.75, "share_of_triad": 0.35, "held_to_ratio": 1.6, "held_to_share": 0.3}  # fmt: skip
+    peer = {"scene": "bonded-discs", "code": "yade", "particles": 10_000, "threads": 1, "ratio": 30.0,
+            "ratio_low": 29.0, "ratio_high": 31.0, "held_to": 20.0}  # fmt: skip
+    point = {"problem": "rest", "driver": "relaxation"}
+    frontier = [
+        _check("error at 1e-3", 1e-3, most=1e-4, setting=1e-3, seconds=[0.1, 0.3, 0.2], **point),
+        _check("error at 1e-5", 1e-5, setting=1e-5, seconds=[1.0, 2.0, 4.0], **point),
+    ]
+    for name, rows in {
+        "limits": [limits], "peers": [peer], "frontier": frontier,
+        "features": [_check("first step", 0.2, most=0.3), _check("gravity", 1.0)],
+    }.items():  # fmt: skip
+        (results / f"{name}.json").write_text(json.dumps({"header": HEADER, "rows": rows}))
+    assert docs / "pictures" / "engine_error_against_time.png" in write_pages(results, docs)
+    page = docs / "performance.md"
+    assert _tables_below(page, "Against what the machine allows") == [
+        ["speed over the same loop in C, 10000 touching spheres, 2 threads", "at least 1.6", "1.5", "1.25 to 1.75",
+         "**no**"],
+        ["share of the triad, 10000 touching spheres, 2 threads", "at least 0.3", "0.35", "-", "yes"],
+    ]  # fmt: skip
+    assert _tables_below(page, "Against other codes")[0][:3] == [
+        "speed over YADE, 10000 bonded discs, 1 thread", "at least 20", "30",
+    ]  # fmt: skip
+    assert _tables_below(page, "What features cost, and what rest saves") == [
+        ["first step", "at most 0.3 s", "0.2 s", "0.1 to 0.2", "yes"],
+        ["gravity", "-", "1 s", "0.5 to 1", "-"],
+    ]
+    # what is held to something, then every point of the curves
+    curve = _tables_below(page, "Run time against error")
+    assert [row[-1] for row in curve] == ["**no**", "0.001", "1e-05"]
+    assert curve[2][:4] == ["rest", "relaxation", "unbalanced ratio 1e-05", "2"]
+    assert "`python -m reference bench large`" in page.read_text()
+    with Image.open(docs / "pictures" / "engine_error_against_time.png") as picture:
+        assert picture.width > 300
+
+
 def test_nothing_was_run(tmp_path):
     docs = tmp_path / "docs"
     (docs / "pictures").mkdir(parents=True)
