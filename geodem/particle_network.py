@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -130,28 +131,35 @@ def _pair_links(s: ParticleSimulation, *, listed: bool = True) -> Links:
     distance = np.sqrt(np.einsum("ij,ij->i", apart, apart))
     radii = np.ascontiguousarray(now[:, columns.radius])
     radius_a, radius_b = radii[first], radii[second]
-    material = now[:, columns.material].astype(np.int64)
-    row = material[first] * len(s.assembly.material_names) + material[second]
     contact, bond = s.features.laws()
     sizes = {"radius_a": radius_a, "radius_b": radius_b, "distance": distance}
     overlap = radius_a + radius_b - distance
-    own: NDArray[np.bool_] | slice = slice(None)
+    materials = len(s.assembly.material_names)
+    material = now[:, columns.material].astype(np.int64)
+
+    def parameters(table: Floats, which: NDArray[np.bool_] | slice) -> Floats:
+        # one material, one row
+        return table[material[first[which]] * materials + material[second[which]]] if materials > 1 else table
+
+    def stiffness_of(
+        law: ModuleType, table: Floats, which: NDArray[np.bool_] | slice, given: Floats
+    ) -> Floats:
+        chosen = {name: value[which] for name, value in sizes.items()}
+        return law_stiffness(law, s.dimension, parameters(table, which), overlap=given[which], **chosen)
+
+    pressed = np.maximum(overlap, 0.0)
     if bond is not None and bond.REPLACES_CONTACT:
-        own = ~bonded
-    stiffness = np.zeros((len(first), 4))
-    chosen = {name: value[own] for name, value in sizes.items()}
-    stiffness[own] = law_stiffness(
-        contact, s.dimension, s.table[row[own]], overlap=np.maximum(overlap[own], 0.0), **chosen
-    )
+        stiffness = np.zeros((len(first), 4))
+        stiffness[~bonded] = stiffness_of(contact, s.table, ~bonded, pressed)
+    else:
+        stiffness = stiffness_of(contact, s.table, slice(None), pressed)
     if not s.features.shear:
         stiffness[:, 1] = 0.0
     if bond is not None and bonded.any():
-        chosen = {name: value[bonded] for name, value in sizes.items()}
-        stiffness[bonded] += law_stiffness(
-            bond, s.dimension, s.bond_table[row[bonded]], overlap=np.zeros(int(bonded.sum())), **chosen
-        )
+        stiffness[bonded] += stiffness_of(bond, s.bond_table, bonded, np.zeros(len(first)))
     half = 0.5 * (distance + radius_a - radius_b)
     arms = np.stack([half, distance - half], axis=1)
+    del overlap, pressed, half
     apart /= distance[:, None]
     return links(first, second, apart, arms, *stiffness.T)
 

@@ -6,10 +6,11 @@ import os
 
 from geodem.errors import InputError
 
-BYTES_PER_PARTICLE = {2: 400, 3: 600}
-"""Rows in both buffers, pairs of a dense packing with their history, and what the caller holds."""
-BYTES_PER_BOND = 100
-"""A bond with its pair and history."""
+BYTES_PER_PARTICLE = {2: 700, 3: 1600}
+"""Growth of the process at its peak, by dimension: rows, pairs of a dense packing, what the caller holds, and the
+links that the critical step is measured on. Once a simulation is made less than half of it is left."""
+BYTES_PER_BOND = 150
+"""The same of a bond."""
 
 
 def available_bytes() -> int | None:

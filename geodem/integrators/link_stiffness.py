@@ -39,37 +39,40 @@ def law_stiffness(
         One of `geodem.laws.CONTACT_LAWS` or `geodem.laws.BOND_LAWS`.
     dimension : int
         2 or 3.
-    parameters : (p, k)
-        In the order of ``law.PARAMETERS``.
+    parameters : (p, k) or (1, k)
+        In the order of ``law.PARAMETERS``; one row for all links that are alike.
     radius_a, radius_b, distance, overlap : (p,) [m]
     """
     parameters = np.asarray(parameters, dtype=np.float64)
     sizes = [np.asarray(values, dtype=np.float64) for values in (radius_a, radius_b, distance, overlap)]
-    if len(parameters) >= COMPILED_FROM:
-        found = np.empty((len(parameters), 4))
+    count = len(sizes[0])
+    if count >= COMPILED_FROM:
+        found = np.empty((count, 4))
         _kernel(law, dimension).of_links(
             np.ascontiguousarray(parameters), *(np.ascontiguousarray(values) for values in sizes), found
         )
         return found
+    parameters = np.broadcast_to(parameters, (count, parameters.shape[1]))
     columns = dict(zip(law.PARAMETERS._fields, parameters.T, strict=True))
     columns |= dict(zip(SIZES, sizes, strict=True))
     wanted = [columns[name].tolist() for name in argument_names(law.stiffness)]
     function = in_dimension(law.stiffness, dimension)
     rows = [function(*values) for values in zip(*wanted, strict=True)]
-    return np.array(rows, dtype=float).reshape(len(parameters), 4)
+    return np.array(rows, dtype=float).reshape(count, 4)
 
 
 @cache
 def _kernel(law: ModuleType, dimension: int) -> ModuleType:
     """The law's function and a loop over links that feeds it."""
     asked = [
-        f"{name}[i]" if name in SIZES else f"parameters[i, {law.PARAMETERS._fields.index(name)}]"
+        f"{name}[i]" if name in SIZES else f"parameters[k, {law.PARAMETERS._fields.index(name)}]"
         for name in argument_names(law.stiffness)
     ]
     loop = f"""\
 @njit(cache=True, error_model='numpy')
 def of_links(parameters, {", ".join(SIZES)}, found):
     for i in range(len(found)):
+        k = min(i, len(parameters) - 1)
         found[i, 0], found[i, 1], found[i, 2], found[i, 3] = stiffness({", ".join(asked)})
 """
     texts = [*_with_called(law, "stiffness", {}).values(), loop]
