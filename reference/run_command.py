@@ -6,15 +6,29 @@ import argparse
 import sys
 from types import ModuleType
 
-from .problems import dice2d, ground, lattice, published_slopes, timestep
+from .problems import (
+    cantilever,
+    dice2d,
+    energy_account,
+    fewbody,
+    ground,
+    lattice,
+    oscillator,
+    published_slopes,
+    timestep,
+)
 from .results_file import store_rows
 
 HELP = "run a group of problems, print every figure beside its bound, store the rows; exit status 0 if all are good"
 
 PROBLEMS: dict[str, ModuleType] = {
+    "cantilever": cantilever,
     "dice2d": dice2d,
+    "energy-account": energy_account,
+    "fewbody": fewbody,
     "ground": ground,
     "lattice": lattice,
+    "oscillator": oscillator,
     "slopes": published_slopes,
     "timestep": timestep,
 }
