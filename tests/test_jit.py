@@ -155,3 +155,12 @@ def test_the_user_cache_is_used_where_none_is_named(tmp_path, monkeypatch):
     monkeypatch.delenv("GEODEM_CACHE", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     assert _jit.cache_folder() == tmp_path / "geodem" / "kernels"
+
+
+def test_threads_are_those_of_openmp_even_where_their_number_is_chosen_first(tmp_path):
+    """numba starts its threads when it is told their number, with its own choice of a layer if none was made."""
+    if not _jit._has_openmp():
+        pytest.skip("this numba has no OpenMP")
+    text = "import numba; from geodem._jit import set_threads; set_threads(1); print(numba.threading_layer())"
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["omp"]
