@@ -236,6 +236,7 @@ class ParticleSimulation:
             bond_viscous=bond is not None
             and bool(getattr(bond, "VISCOUS", False))
             and _any_viscosity(bond.PARAMETERS._fields, self.bond_table),
+            bonds_scaled=bond is not None and bool((a.bond_scale != 1.0).any()),
             rotation=turns and (shear or moment or bool(a.applied[:, d:].any()) or bool(a.spins.any())),
             orientation=orientation,
             gravity=bool(a.gravity.any()),

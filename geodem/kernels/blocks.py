@@ -23,6 +23,8 @@ import numpy as np
 BONDS = True
 REPLACES = True
 REACH = True
+RELAX = True
+SCALED = True
 ONE_MATERIAL = False
 MATERIALS = 1
 MOMENT = True
@@ -317,7 +319,7 @@ def break_bonds(
         number = int(pair_bond[p])
         tension = block[TENSION + lane]
         cut = block[CUT + lane]
-        if breaking != 1.0 and mine:
+        if RELAX and mine:
             utilisation[number - 1, 0] = tension
             utilisation[number - 1, 1] = cut
         if tension >= breaking or cut >= breaking:
@@ -458,7 +460,7 @@ def pairs(
                     row[lane] = int(rows[12 * a + 11]) * MATERIALS + int(rows[12 * b + 11])
                 if BONDS and kind == 0:
                     gather_bond(block, lane, history, p)
-                    block[SCALE + lane] = bond_scale[pair_bond[p] - 1]
+                    block[SCALE + lane] = bond_scale[pair_bond[p] - 1] if SCALED else 1.0
                 else:
                     gather_contact(block, lane, history, p)
                     if ASKS_APPROACH:

@@ -29,6 +29,8 @@ ONE_MATERIAL = False
 MATERIALS = 1
 MOMENT = True
 ENERGY = True
+RELAX = True
+SCALED = True  # some bond is stronger or weaker than its material
 FREEDOMS = 6  # (3)
 VISCOUS_CONTACT = True
 VISCOUS_BOND = True
@@ -165,25 +167,23 @@ def forget(history, p):
     return lost, heat
 
 
-def pairs(
+def range_of_pairs(
     first, last, base, size, now, pair_a, pair_b, pair_bond, touching, history, table, bond_table, bond_scale,
-    time_step, step, breaking, force, energy, utilisation, record,
+    time_step, step, breaking, force, energy, utilisation, record, fresh,
 ):  # fmt: skip
-    """Forces of pairs `first` to `last` of the chunk that owns `size` particles from `base`.
+    """As `pairs`, but a bond that breaks is only noted in fresh (p,), and marked by a negative number in pair_bond.
 
-    now (n, 8 or 12): rows; pair_a, pair_b, pair_bond, touching (p,), history (p, H): the pair list; table,
-    bond_table: parameters by pair of materials; bond_scale (b,); breaking: utilisation at which bonds break,
-    1 but in statics, where utilisation (b, 2) is noted; force (size + 1, 3 or 6), energy (4,): added to; record
-    (b, 5 or 6).
+    A pair that is so marked has broken in this step: it is computed as a contact.
 
     Returns
     -------
     contacts, thrust : float
-        Number of pairs that carry force and the sum of their normal forces [N]; a pair across chunks counts where its
-        first particle is.
+    broken : int
+        Numbers in fresh.
     """
     contacts = 0.0
     thrust = 0.0
+    overstressed = 0
     # slices, so that no index can be negative, and flat rows, so that their width is a constant
     rows = now.reshape(now.size)
     loads = force.reshape(force.size)
@@ -225,7 +225,8 @@ def pairs(
             touch = square < limit * limit
         # a pair across chunks counts where its first particle is
         mine = own_a < others
-        if touch or number > 0:
+        # bonded first: where bonds swing about their length, nobody can guess what touches
+        if number != 0 or touch:
             distance = math.sqrt(square)
             inverse = 1.0 / distance
             nx = dx * inverse
@@ -289,10 +290,11 @@ def pairs(
             drag_y = 0.0
             drag_z = 0.0
             stored = 0.0
-            broken = 0
-            bonded = number
             left = 1.0
-            held = transport_contact(load_contact(history, p), nx, ny, nz, turn_x, turn_y, turn_z, spin)
+            held = load_contact(history, p)
+            if not REPLACES or number >= 0:
+                # what a bond has just handed over is turned already
+                held = transport_contact(held, nx, ny, nz, turn_x, turn_y, turn_z, spin)
             if BONDS and number > 0:
                 strength = bond_parameters(bond_table, row)
                 kept = transport_bond(load_bond(history, p), nx, ny, nz, turn_x, turn_y, turn_z, spin)
@@ -301,39 +303,42 @@ def pairs(
                     kept, tension, cut,
                 ) = bond(
                     strength, overlap, approach, slip_x, slip_y, slip_z, twist, bend_x, bend_y, bend_z,
-                    radius_a, radius_b, distance, mass_a, mass_b, time_step, bond_scale[number - 1], kept,
+                    radius_a, radius_b, distance, mass_a, mass_b, time_step,
+                    bond_scale[number - 1] if SCALED else 1.0, kept,
                 )  # fmt: skip
                 store_bond(history, p, kept)
-                if breaking != 1.0 and mine:
+                if RELAX and mine:
                     utilisation[number - 1, 0] = tension
                     utilisation[number - 1, 1] = cut
                 if tension >= breaking or cut >= breaking:
-                    broken = 1 if tension >= cut else 2
-                    number = 0
-                    pair_bond[p] = 0
-                    if REPLACES:
+                    pair_bond[p] = -number
+                    if REPLACES and touch:
                         # what the bond carried in shear is handed over; it has taken this step's slip already
-                        held = with_shear(held, shear_x, shear_y, shear_z)
-                        left = 0.0
-                    normal = 0.0
-                    shear_x = 0.0
-                    shear_y = 0.0
-                    shear_z = 0.0
-                    twisting = 0.0
-                    bending_x = 0.0
-                    bending_y = 0.0
-                    bending_z = 0.0
-                if number > 0:
-                    if VISCOUS_BOND:
-                        damp, drag_x, drag_y, drag_z = bond_viscous(
-                            strength, overlap, approach, slip_x, slip_y, slip_z, radius_a, radius_b, distance,
-                            mass_a, mass_b, time_step,
-                        )  # fmt: skip
-                    if ENERGY:
-                        stored = bond_energy(strength, overlap, radius_a, radius_b, distance, kept)
-            if touch and not (REPLACES and number > 0):
+                        store_contact(history, p, with_shear(held, shear_x, shear_y, shear_z))
+                    if mine:
+                        record[number - 1, STATE] = 1 if tension >= cut else 2
+                        record[number - 1, STEP] = step
+                        record[number - 1, PLACE] = rows[a] + arm_a * nx
+                        record[number - 1, PLACE + 1] = rows[a + 1] + arm_a * ny
+                        if SPACE:
+                            record[number - 1, PLACE + 2] = rows[a + 2] + arm_a * nz
+                    fresh[overstressed] = p
+                    overstressed += 1
+                    continue
+                if VISCOUS_BOND:
+                    damp, drag_x, drag_y, drag_z = bond_viscous(
+                        strength, overlap, approach, slip_x, slip_y, slip_z, radius_a, radius_b, distance,
+                        mass_a, mass_b, time_step,
+                    )  # fmt: skip
+                if ENERGY:
+                    stored = bond_energy(strength, overlap, radius_a, radius_b, distance, kept)
+            if BONDS and number < 0:
+                pair_bond[p] = 0
+                if REPLACES:
+                    left = 0.0
+            if not (REPLACES and number > 0) and touch:
                 parameters = contact_parameters(table, row)
-                step_in = approach if touched or bonded > 0 else overlap
+                step_in = approach if touched or number != 0 else overlap
                 (
                     normal_c, shear_cx, shear_cy, shear_cz, twisting_c, bending_cx, bending_cy, bending_cz, held,
                 ) = contact(
@@ -374,19 +379,12 @@ def pairs(
                 share = 1.0 if mine else 0.0
                 energy[ELASTIC] += share * stored
                 energy[VISCOUS] += share * heat
-                if broken > 0:
+                if BONDS and number < 0:
                     energy[BROKEN] += share * lost
                     if mine:
-                        record[bonded - 1, RELEASED] = lost
+                        record[-number - 1, RELEASED] = lost
                 else:
                     energy[FRICTION] += share * lost
-            if BONDS and broken > 0 and mine:
-                record[bonded - 1, STATE] = broken
-                record[bonded - 1, STEP] = step
-                record[bonded - 1, PLACE] = rows[a] + arm_a * nx
-                record[bonded - 1, PLACE + 1] = rows[a + 1] + arm_a * ny
-                if SPACE:
-                    record[bonded - 1, PLACE + 2] = rows[a + 2] + arm_a * nz
             i = FREEDOMS * int(own_a)
             j = FREEDOMS * int(own_b)
             normal += damp
@@ -439,4 +437,39 @@ def pairs(
             if BONDS and history[p, OFFSET] > 0.0:
                 # apart: from now on the pair touches where its surfaces do
                 history[p, OFFSET] = 0.0
+    return contacts, thrust, overstressed
+
+
+def pairs(
+    first, last, base, size, now, pair_a, pair_b, pair_bond, touching, history, table, bond_table, bond_scale,
+    time_step, step, breaking, force, energy, utilisation, record,
+):  # fmt: skip
+    """Forces of pairs `first` to `last` of the chunk that owns `size` particles from `base`.
+
+    now (n, 8 or 12): rows; pair_a, pair_b, pair_bond, touching (p,), history (p, H): the pair list; table,
+    bond_table: parameters by pair of materials; bond_scale (b,); breaking: utilisation at which bonds break,
+    1 but in statics, where utilisation (b, 2) is noted; force (size + 1, 3 or 6), energy (4,): added to; record
+    (b, 5 or 6).
+
+    Returns
+    -------
+    contacts, thrust : float
+        Number of pairs that carry force and the sum of their normal forces [N]; a pair across chunks counts where its
+        first particle is.
+    """
+    fresh = np.empty(last - first if BONDS else 0, np.uint32)
+    contacts, thrust, broken = range_of_pairs(
+        first, last, base, size, now, pair_a, pair_b, pair_bond, touching, history, table, bond_table, bond_scale,
+        time_step, step, breaking, force, energy, utilisation, record, fresh,
+    )  # fmt: skip
+    if BONDS:
+        # what broke is looked at once more as a contact: so the loop over intact bonds has no room for it
+        for k in range(broken):
+            p = first + int(fresh[k])
+            more, pressed, _ = range_of_pairs(
+                p, p + 1, base, size, now, pair_a, pair_b, pair_bond, touching, history, table, bond_table,
+                bond_scale, time_step, step, breaking, force, energy, utilisation, record, fresh[:0],
+            )  # fmt: skip
+            contacts += more
+            thrust += pressed
     return contacts, thrust
