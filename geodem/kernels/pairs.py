@@ -195,6 +195,9 @@ def range_of_pairs(
         pair_bond = pair_bond[first:last]
     others = np.uint32(size)
     far = len(rows) > FAR
+    # read once: the compiler cannot know that no force is written over them
+    common = contact_parameters(table, 0)
+    common_bond = bond_parameters(bond_table, 0) if BONDS else 0
     for p in range(last - first):
         if far:
             fetch_ahead(rows, pair_a, pair_b, p)
@@ -221,7 +224,8 @@ def range_of_pairs(
         touched = touching[p] != 0
         touch = square < zero * zero
         if REACH and touched:
-            limit = zero + contact_reach(contact_parameters(table, row), radius_a, radius_b)
+            parameters = common if ONE_MATERIAL else contact_parameters(table, row)
+            limit = zero + contact_reach(parameters, radius_a, radius_b)
             touch = square < limit * limit
         # a pair across chunks counts where its first particle is
         mine = own_a < others
@@ -296,7 +300,7 @@ def range_of_pairs(
                 # what a bond has just handed over is turned already
                 held = transport_contact(held, nx, ny, nz, turn_x, turn_y, turn_z, spin)
             if BONDS and number > 0:
-                strength = bond_parameters(bond_table, row)
+                strength = common_bond if ONE_MATERIAL else bond_parameters(bond_table, row)
                 kept = transport_bond(load_bond(history, p), nx, ny, nz, turn_x, turn_y, turn_z, spin)
                 (
                     normal, shear_x, shear_y, shear_z, twisting, bending_x, bending_y, bending_z,
@@ -337,7 +341,7 @@ def range_of_pairs(
                 if REPLACES:
                     left = 0.0
             if not (REPLACES and number > 0) and touch:
-                parameters = contact_parameters(table, row)
+                parameters = common if ONE_MATERIAL else contact_parameters(table, row)
                 step_in = approach if touched or number != 0 else overlap
                 (
                     normal_c, shear_cx, shear_cy, shear_cz, twisting_c, bending_cx, bending_cy, bending_cz, held,
