@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -17,36 +16,31 @@ from numpy.typing import NDArray
 
 from ._jit import ThreadPilot, add_compile_seconds
 from .assembly import Assembly
-from .boundaries.wall_pairs import WallPairs, check_servo_contact, contact_sum, find_wall_pairs
-from .boundaries.wall_table import WallTable, set_servo_gains, wall_table
+from .boundaries.wall_pairs import WallPairs, check_servo_contact, find_wall_pairs
+from .boundaries.wall_table import wall_table
 from .errors import InputError
-from .kernels import motion
 from .kernels.particle_kernel import Features, compile_particle_kernel
-from .measure.particle_energy import ParticleEnergy
-from .neighbors import PairList, bond_pairs, max_displacement, rebuild, spatial_order
-from .particle_layout import (
-    Columns,
-    RowArrays,
-    anchor_table,
-    chunk_size,
-    finite,
-    first_order,
-    first_rows,
-    row_arrays,
-    wall_parameters,
+from .neighbors import PairList, max_displacement, rebuild, spatial_order
+from .particle_layout import Columns, anchor_table, chunk_size, first_order, first_rows, row_arrays
+from .particle_network import critical_time_step
+from .particle_reading import BrokenBonds, Contacts, ParticleReading
+from .particle_setup import (
+    choose_buffer,
+    choose_servo_gains,
+    choose_time_step,
+    first_pairs,
+    parameter_tables,
+    refuse_damping,
+    scene_features,
+    start_half_a_step_back,
 )
-from .particle_network import critical_time_step, current_links
+
+__all__ = ["BrokenBonds", "Contacts", "ParticleSimulation", "Sleep", "UnstableError"]
 
 Floats = NDArray[np.float64]
 
 SERIAL_LIMIT = 400
 """Up to this many particles the serial kernel wins: a parallel region costs more than its work."""
-
-SAFETY = 0.5
-"""Share of the critical time step that is used where none is given: a collision then takes at least three steps."""
-
-BUFFER_SHARE = 0.1
-"""Buffer of the pair list over the mean radius."""
 
 BATCH = 1000
 """Steps between looks at the clock, at interrupts and at the numbers."""
@@ -70,61 +64,14 @@ class Sleep(NamedTuple):
     steps: int = 100
 
 
-@dataclass(frozen=True)
-class BrokenBonds:
-    """Every break, in the order of time and then of the bonds' numbers.
-
-    Attributes
-    ----------
-    bond : (k,) int64
-    mode : (k,) int64
-        1 tension, 2 shear.
-    step : (k,) int64
-    time : (k,) [s]
-    static : (k,) bool
-        Broke in the search for an equilibrium, where time stands still.
-    place : (k, d) [m]
-    energy : (k,) [J]
-        Released; nan where the energy account is off.
-    """
-
-    bond: NDArray[np.int64]
-    mode: NDArray[np.int64]
-    step: NDArray[np.int64]
-    time: Floats
-    static: NDArray[np.bool_]
-    place: Floats
-    energy: Floats
-
-
-@dataclass(frozen=True)
-class Contacts:
-    """Pairs that touch or are bonded, each once, in ascending order.
-
-    Attributes
-    ----------
-    pairs : (k, 2) int64
-    bonded : (k,) bool
-    overlap : (k,) [m]
-        ra + rb - distance.
-    history : dict of str to (k,)
-        What the laws remember, by name; "bond." before the names of the bond law.
-    """
-
-    pairs: NDArray[np.int64]
-    bonded: NDArray[np.bool_]
-    overlap: Floats
-    history: dict[str, Floats]
-
-
-class ParticleSimulation:
-    """Discs or spheres in motion.
+class ParticleSimulation(ParticleReading):
+    """Discs or spheres in motion; what can be read off them is in `ParticleReading`.
 
     Parameters
     ----------
     assembly : Assembly
     time_step : float, optional
-        [s]; `SAFETY` times the critical one, which is measured, where it is left out.
+        [s]; half the critical one, which is measured, where it is left out.
     local_damping : float
         Cundall's coefficient [-], 0 to below 1.
     global_damping : float
@@ -159,7 +106,7 @@ class ParticleSimulation:
         sleep: Sleep | None = None,
         buffer: float | None = None,
     ) -> None:
-        _refuse_damping(local_damping, global_damping, stiffness_damping)
+        refuse_damping(local_damping, global_damping, stiffness_damping)
         self.assembly = assembly
         self.dimension = assembly.dimension
         self.columns = Columns(assembly.dimension)
@@ -169,31 +116,25 @@ class ParticleSimulation:
         n = assembly.particles
         self.parallel = n > SERIAL_LIMIT
         self.chunk = chunk_size(n, not self.parallel)
-        self.buffer = BUFFER_SHARE * float(assembly.radii.mean()) if buffer is None else float(buffer)
-        if not (math.isfinite(self.buffer) and self.buffer > 0.0):
-            raise InputError(
-                "buffer", "this is no distance", "Give more than 0 m, or leave it out", value=buffer
-            )
-        self.table = finite(assembly.contact_table)
-        self.bond_table = finite(assembly.bond_table) if assembly.bond_law is not None else np.zeros((1, 1))
-        self.wall_parameters = wall_parameters(assembly) if assembly.walls else np.zeros((1, 1))
-        self._add_stiffness_damping(stiffness_damping)
+        self.buffer = choose_buffer(assembly, buffer)
+        tables = parameter_tables(assembly, stiffness_damping)
+        self.table, self.bond_table, self.wall_parameters = tables
         orientation = self.dimension == 2 if orientation is None else orientation
-        self.features = self._features(energy=energy, orientation=orientation)
+        self.features = scene_features(self, energy=energy, orientation=orientation)
         self.layout = self.features.layout()
 
         ids = first_order(assembly)
-        self.arrays: RowArrays = row_arrays(assembly, ids)
+        self.arrays = row_arrays(assembly, ids)
         self.rows = first_rows(assembly, ids)
         self.phase = 0
         self.angle = np.zeros((n if orientation else 1, 1 if self.dimension == 2 else 4))
         if self.dimension == 3:
             self.angle[:, 0] = 1.0
         self.anchors = anchor_table(assembly)
-        self.walls: WallTable = wall_table(assembly.walls, self.dimension)
+        self.walls = wall_table(assembly.walls, self.dimension)
         self.steps = 0
         self.time = 0.0
-        self.stages: list[tuple[int, float, bool]] = [(0, 0.0, True)]
+        self.stages = [(0, 0.0, True)]
         bonds = len(assembly.bonds)
         self.record = np.zeros((max(bonds, 1), 3 + self.dimension))
         self.utilisation = np.zeros((max(bonds, 1), 2))
@@ -204,119 +145,18 @@ class ParticleSimulation:
         self.force = np.zeros((n, assembly.held.shape[1]))
         self.asleep = np.zeros(chunks, dtype=np.uint8)
         self.quiet = np.zeros(chunks, dtype=np.int64)
-        self.pairs = self._first_pairs()
+        self.pairs = first_pairs(self)
         self.wall_pairs = WallPairs.empty(n, chunk=self.chunk, history_width=self.layout.width)
         self._searched()
         self.searches = 1
         check_servo_contact(self.now, self.walls, assembly.walls)
         self.critical_time_step = critical_time_step(self, local_damping=local_damping)
-        self.time_step = self._choose_time_step(time_step)
-        self._set_servo_gains()
+        self.time_step = choose_time_step(self.critical_time_step, time_step)
+        choose_servo_gains(self)
         self._kernels: dict[Features, ModuleType] = {}
         self._pilot = ThreadPilot()
 
-    # ------------------------------------------------------------------ set-up
-
-    def _features(self, *, energy: bool, orientation: bool) -> Features:
-        a = self.assembly
-        contact, bond = Features(self.dimension, a.contact_law, a.bond_law).laws()
-        fields = contact.PARAMETERS._fields
-        tables = np.concatenate([self.table, self.wall_parameters]) if a.walls else self.table
-        shear = _any_friction(fields, tables)
-        d = self.dimension
-        turns = not a.held[:, d:].all() or bool(a.spins.any())
-        moment = contact.MOMENT or (bond is not None)
-        return Features(
-            dimension=d,
-            contact_law=a.contact_law,
-            bond_law=a.bond_law,
-            materials=len(a.material_names),
-            shear=shear or bond is not None,
-            contact_viscous=bool(getattr(contact, "VISCOUS", False)) and _any_viscosity(fields, tables),
-            bond_viscous=bond is not None
-            and bool(getattr(bond, "VISCOUS", False))
-            and _any_viscosity(bond.PARAMETERS._fields, self.bond_table),
-            bonds_scaled=bond is not None and bool((a.bond_scale != 1.0).any()),
-            rotation=turns and (shear or moment or bool(a.applied[:, d:].any()) or bool(a.spins.any())),
-            orientation=orientation,
-            gravity=bool(a.gravity.any()),
-            applied=bool(a.applied.any()),
-            held=bool(a.held.any()),
-            anchors=a.anchors is not None,
-            walls=bool(a.walls),
-            walls_turn=any(bool(np.any(wall.spin)) for wall in a.walls),
-            local_damping=self.local_damping > 0.0,
-            global_damping=self.global_damping > 0.0,
-            energy=energy,
-            sleep=self.sleep is not None,
-            blocked=d == 3 and self.parallel and not energy,
-        )
-
-    def _add_stiffness_damping(self, beta: float) -> None:
-        if beta == 0.0:
-            return
-        contact, bond = Features(self.dimension, self.assembly.contact_law, self.assembly.bond_law).laws()
-        tables = [(contact, self.table), (contact, self.wall_parameters)]
-        if bond is not None:
-            tables.append((bond, self.bond_table))
-        for law, table in tables:
-            viscous = [k for k, name in enumerate(law.PARAMETERS._fields) if name.endswith("_viscosity")]
-            if not viscous:
-                raise InputError(
-                    "stiffness_damping", f"the law {law.NAME!r} has no dashpots",
-                    "Use global_damping or local_damping, or another law", value=beta,
-                )  # fmt: skip
-            if table.shape[1] == len(law.PARAMETERS._fields):
-                table[:, viscous] += beta
-
-    def _first_pairs(self) -> PairList:
-        a, layout = self.assembly, self.layout
-        common: dict[str, Any] = {
-            "chunk": self.chunk, "buffer": self.buffer, "dimension": self.dimension, "history_width": layout.width,
-        }  # fmt: skip
-        if a.bond_law is None or not len(a.bonds):
-            return rebuild(self.now, self.arrays.ids, None, **common)
-        assert layout.offset is not None
-        distance = np.linalg.norm(a.positions[a.bonds[:, 0]] - a.positions[a.bonds[:, 1]], axis=1)
-        histories = np.zeros((len(a.bonds), len(layout.bond) + 1))
-        histories[:, -1] = distance - a.radii[a.bonds].sum(axis=1)
-        return bond_pairs(self.now, self.arrays.ids, a.bonds, histories, offset=len(layout.contact), **common)
-
-    def _choose_time_step(self, given: float | None) -> float:
-        critical = self.critical_time_step
-        if given is None:
-            if not math.isfinite(critical):
-                raise InputError(
-                    "time_step", "nothing in this scene has a stiffness, so no step follows from it",
-                    "Give one in seconds",
-                )  # fmt: skip
-            return SAFETY * critical
-        if not (math.isfinite(given) and given > 0.0):
-            raise InputError("time_step", "this is no time", "Give seconds, more than 0", value=given)
-        if given > critical:
-            raise InputError(
-                "time_step", f"this is above the critical time step of {critical:.6g} s, so the motion would explode",
-                f"Give {SAFETY * critical:.3g} s, or leave it out", value=given,
-            )  # fmt: skip
-        return float(given)
-
-    def _set_servo_gains(self) -> None:
-        if any(wall.servo is not None and wall.servo.gain is None for wall in self.assembly.walls):
-            stiffness = np.full(len(self.wall_pairs.particle), self._wall_stiffness())
-            total = contact_sum(self.walls, self.wall_pairs, stiffness)
-            one = self._wall_stiffness()
-            set_servo_gains(self.walls, self.assembly.walls, np.maximum(total, one), self.time_step)
-
-    def _wall_stiffness(self) -> float:
-        links = current_links(self, walls_only=True)
-        return float(links.kn.max()) if len(links.kn) else float(self.table[:, 0].max())
-
     # ------------------------------------------------------------------ neighbours
-
-    @property
-    def now(self) -> Floats:
-        """Rows of the present."""
-        return np.asarray(self.rows[self.phase])
 
     def _searched(self) -> None:
         """What follows a search: wall pairs, where everything was, the chunks around each chunk."""
@@ -385,7 +225,7 @@ class ParticleSimulation:
             self._sorted_pairs = self.pairs.pairs
         self._searched()
         self.searches += 1
-        self._set_servo_gains()
+        choose_servo_gains(self)
 
     def _look(self) -> None:
         """Search anew where particles may have moved too far."""
@@ -435,56 +275,17 @@ class ParticleSimulation:
                 progress(steps - left)
 
     def _start(self, kernel: ModuleType) -> None:
-        """Velocities half a step back from those given, so that the motion is of second order from its first step."""
-        arrays, d = self.arrays, self.dimension
-        # a step of no length: the forces of the given state
+        """Find the forces of the given state by a step of no length, and begin half a step before it."""
         self.batch(
-            kernel,
-            1,
-            NO_TIME,
-            math.inf,
-            arrays.inverse_mass,
-            arrays.inverse_inertia,
-            self.global_damping,
-            0.0,
-            _NOTHING,
-        )
+            kernel, 1, NO_TIME, math.inf, self.arrays.inverse_mass, self.arrays.inverse_inertia,
+            self.global_damping, 0.0, _NOTHING,
+        )  # fmt: skip
         self.steps -= 1
         self.started = True
-        now = self.rows[self.phase]
-        # as given: even a step of no length leaves nothing quite at rest
-        given = self.rows[1 - self.phase]
-        velocity = np.hstack([given[:, self.columns.velocity], given[:, self.columns.spin]])
-        resultant = self.force - self.local_damping * np.abs(self.force) * np.sign(velocity)
-        inverse = np.column_stack(
-            [arrays.inverse_mass] * d + [arrays.inverse_inertia] * self.assembly.rotations
-        )
-        rate = np.where(
-            self.assembly.held[arrays.ids], 0.0, resultant * inverse - self.global_damping * velocity
-        )
-        if not self.features.rotation:
-            rate[:, d:] = 0.0
-        if self.local_damping > 0.0:
-            # half a step back from rest is a way backwards, on which local damping would push
-            rate[velocity == 0.0] = 0.0
-        before = velocity - 0.5 * self.time_step * rate
-        now[:, self.columns.velocity] = before[:, :d]
-        now[:, self.columns.spin] = before[:, d:]
-        free = ~self.assembly.held[arrays.ids]
-        both = before * (before + self.time_step * rate) / inverse
-        self.initial_energy = float(0.5 * both[free].sum())
-        if self.features.energy:
-            self.initial_energy += float(self.sums[:, [motion.TOTAL_ELASTIC, motion.ANCHORED]].sum())
-            # the first step counts the work on a way of half a step back, which was never gone
-            back = np.where(free, self.time_step * before, 0.0)
-            weight = self.assembly.gravity / arrays.inverse_mass[:, None]
-            self.sums[0, motion.GRAVITATION] -= float((weight * back[:, :d]).sum())
-            self.sums[0, motion.FORCING] -= float((arrays.applied * back).sum())
-            drag = self.local_damping * np.abs(self.force) * np.sign(before)
-            self.sums[0, motion.DAMPING] -= 0.5 * float((drag * back).sum())
+        start_half_a_step_back(self)
 
     started: bool = False
-    initial_energy: float = 0.0
+    initial_energy = 0.0
 
     def begin_stage(self, *, moving: bool) -> None:
         """Note that from now on steps are true motion, or those of a search for equilibrium."""
@@ -572,169 +373,11 @@ class ParticleSimulation:
             "particles that were pressed into one another"
         )
 
-    # ------------------------------------------------------------------ reading
-
-    def _by_particle(self, values: Floats) -> Floats:
-        found = np.empty_like(values)
-        found[self.arrays.ids] = values
-        return found
-
-    @property
-    def positions(self) -> Floats:
-        """Centres (n, d) [m], in the order of the assembly."""
-        return self._by_particle(self.now[:, self.columns.position])
-
-    @property
-    def velocities(self) -> Floats:
-        """Velocities (n, d) [m/s], half a step before the positions."""
-        return self._by_particle(self.now[:, self.columns.velocity])
-
-    @property
-    def spins(self) -> Floats:
-        """Angular velocities (n, 1 or 3) [rad/s], half a step before the positions."""
-        return self._by_particle(self.now[:, self.columns.spin])
-
-    @property
-    def orientations(self) -> Floats:
-        """Angles (n, 1) [rad] or quaternions (n, 4), w first.
-
-        Raises
-        ------
-        InputError
-            The simulation does not keep them.
-        """
-        if not self.features.orientation:
-            raise InputError(
-                "orientation", "this simulation does not keep it", "Give ParticleSimulation orientation=True"
-            )
-        return self._by_particle(self.angle)
-
-    @property
-    def forces(self) -> Floats:
-        """Resultant forces and torques (n, d + s) [N, N m] of the last step, gravity and applied ones included."""
-        return self._by_particle(self.force)
-
-    def unbalanced_ratio(self) -> float:
-        """Root mean square of the resultants of free particles over the mean contact force [-], last step."""
-        free = int((~self.assembly.held[:, : self.dimension].all(axis=1)).sum())
-        contacts = float(self.sums[:, motion.CONTACTS].sum())
-        if free == 0:
-            return 0.0
-        unbalanced = math.sqrt(float(self.sums[:, motion.UNBALANCED].sum()) / free)
-        if contacts == 0.0:
-            return math.inf if unbalanced > 0.0 else 0.0
-        thrust = float(self.sums[:, motion.THRUST].sum()) / contacts
-        return unbalanced / thrust if thrust > 0.0 else (math.inf if unbalanced > 0.0 else 0.0)
-
-    def contacts(self) -> Contacts:
-        """Pairs that touch or are bonded."""
-        p = self.pairs
-        under = p.listed_under()
-        once = (under == np.minimum(p.a, p.b)) & ((p.touching > 0) | (p.bond > 0))
-        ids = self.arrays.ids
-        pairs = np.stack([ids[p.a[once]], ids[p.b[once]]], axis=1)
-        order = np.lexsort((pairs[:, 1], pairs[:, 0]))
-        apart = self.now[p.b[once]][:, self.columns.position] - self.now[p.a[once]][:, self.columns.position]
-        radius = self.columns.radius
-        overlap = self.now[p.a[once], radius] + self.now[p.b[once], radius] - np.sqrt((apart**2).sum(axis=1))
-        history = p.history[once][order]
-        names = [*self.layout.contact, *(f"bond.{name}" for name in self.layout.bond)]
-        return Contacts(
-            pairs[order],
-            (p.bond[once] > 0)[order],
-            overlap[order],
-            {name: history[:, k] for k, name in enumerate(names)},
-        )
-
-    def intact(self) -> NDArray[np.bool_]:
-        """Which bonds (b,) are intact."""
-        return np.asarray(self.record[: len(self.assembly.bonds), 0] == 0)
-
-    def broken_bonds(self) -> BrokenBonds:
-        """Every break so far."""
-        record = self.record[: len(self.assembly.bonds)]
-        which = np.flatnonzero(record[:, 0] > 0)
-        which = which[np.lexsort((which, record[which, 1]))]
-        found = record[which]
-        energy: Floats = found[:, 2] if self.features.energy else np.full(len(found), np.nan)
-        step = found[:, 1].astype(np.int64)
-        first, begun, moving = (np.array(column) for column in zip(*self.stages, strict=True))
-        stage = np.searchsorted(first, step, side="right") - 1
-        # in statics time stands still
-        times = np.where(moving[stage], begun[stage] + (step - first[stage]) * self.time_step, begun[stage])
-        place = np.ascontiguousarray(found[:, 3:], dtype=np.float64)
-        return BrokenBonds(
-            which, found[:, 0].astype(np.int64), step, times.astype(np.float64), ~moving[stage], place, energy
-        )
-
-    def wall_force(self, name: str) -> Floats:
-        """Force (d,) of the particles on a wall in the last step [N]."""
-        return self.walls.forces()[self.walls.index(name)].copy()
-
-    def wall_torque(self, name: str) -> Floats:
-        """Torque (1 or 3,) of the particles on a wall about its centre in the last step [N m]."""
-        return self.walls.torques()[self.walls.index(name)].copy()
-
-    def energy(self) -> ParticleEnergy:
-        """Where the work went since the start.
-
-        Raises
-        ------
-        InputError
-            The simulation keeps no energy account.
-        """
-        if not self.features.energy:
-            raise InputError(
-                "energy", "this simulation keeps no account", "Give ParticleSimulation energy=True"
-            )
-        sums = self.sums.sum(axis=0)
-        return ParticleEnergy(
-            kinetic=float(sums[motion.KINETIC]),
-            elastic=float(sums[motion.TOTAL_ELASTIC] + sums[motion.ANCHORED]),
-            friction=float(sums[motion.TOTAL_FRICTION]),
-            damping=float(sums[motion.DAMPING]),
-            viscous=float(sums[motion.TOTAL_VISCOUS]),
-            broken=float(sums[motion.TOTAL_BROKEN]),
-            gravity=float(sums[motion.GRAVITATION]),
-            applied=float(sums[motion.FORCING]),
-            driven=float(sums[motion.DRIVEN]),
-            walls=float(self.walls.work().sum()) if self.assembly.walls else 0.0,
-            initial=self.initial_energy,
-        )
-
-    def nbytes(self) -> int:
-        """Memory of the state, the lists and what the steps read [bytes]."""
-        arrays = [self.rows, self.angle, self.force, self.reference, self.record, self.utilisation, self.sums]
-        arrays += list(vars(self.arrays).values())
-        return sum(array.nbytes for array in arrays) + self.pairs.nbytes
-
 
 _NOTHING = np.zeros((1, 6))
 
 NO_TIME = 1e-200
 """A step in which nothing moves, yet velocities can be told from increments [s]."""
-
-
-def _refuse_damping(local: float, global_: float, stiffness: float) -> None:
-    for name, value, most in (
-        ("local_damping", local, 1.0),
-        ("global_damping", global_, math.inf),
-        ("stiffness_damping", stiffness, math.inf),
-    ):
-        if not (math.isfinite(value) and 0.0 <= value < most):
-            bound = "0 to below 1" if most == 1.0 else "0 or more"
-            raise InputError(name, "this damping is out of range", f"Give {bound}", value=value)
-
-
-def _any_friction(fields: tuple[str, ...], table: Floats) -> bool:
-    """Some contact carries shear: laws without a friction coefficient always do."""
-    columns = [k for k, name in enumerate(fields) if name in ("friction_coefficient", "adhesion_shear")]
-    return bool(table[:, columns].any()) if columns else True
-
-
-def _any_viscosity(fields: tuple[str, ...], table: Floats) -> bool:
-    columns = [k for k, name in enumerate(fields) if name.endswith("_viscosity")]
-    return bool(table[:, columns].any()) if columns else False
 
 
 def _chunks_around(pairs: PairList) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

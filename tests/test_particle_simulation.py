@@ -105,8 +105,8 @@ def test_account_closes_as_the_square_of_the_step():
         account = simulation.energy()
         assert account.friction > 0.3 * account.supplied
         found.append(abs(account.imbalance))
-    assert found[0] < 4e-3
-    assert found[1] < 1e-3
+    assert found[0] < 1e-3
+    assert found[1] < 3e-4
     assert found[0] > 3.0 * found[1]
 
 

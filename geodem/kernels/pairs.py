@@ -106,6 +106,9 @@ def account(
 ):  # fmt: skip
     """Energy of one contact in one step, from the means of the old and the new forces.
 
+    A leap-frog's particles feel the forces of both ends of a step, so what acts now works for half of the next step
+    too, even if the contact parts in it; this is noted ahead for `forget`.
+
     Returns
     -------
     lost : float
@@ -120,25 +123,30 @@ def account(
     )
     work += 0.5 * (bending_x + history[p, STORED + 3]) * bend_x
     heat = 0.5 * (damp + history[p, STORED + 4]) * approach + 0.5 * (drag_x + history[p, STORED + 5]) * slip_x
+    work_ahead = 0.5 * (shear_x * slip_x + bending_x * bend_x)
+    heat_ahead = 0.5 * (damp * approach + drag_x * slip_x)
     if SPACE:
+        work_ahead += 0.5 * (shear_y * slip_y + shear_z * slip_z)
+        work_ahead += 0.5 * (bending_y * bend_y + bending_z * bend_z + twisting * twist)
+        heat_ahead += 0.5 * (drag_y * slip_y + drag_z * slip_z)
         work += (
-            0.5 * (shear_y + history[p, STORED + 7]) * slip_y
-            + 0.5 * (shear_z + history[p, STORED + 8]) * slip_z
+            0.5 * (shear_y + history[p, STORED + 9]) * slip_y
+            + 0.5 * (shear_z + history[p, STORED + 10]) * slip_z
         )
-        work += 0.5 * (bending_y + history[p, STORED + 9]) * bend_y
-        work += 0.5 * (bending_z + history[p, STORED + 10]) * bend_z
-        work += 0.5 * (twisting + history[p, STORED + 11]) * twist
+        work += 0.5 * (bending_y + history[p, STORED + 11]) * bend_y
+        work += 0.5 * (bending_z + history[p, STORED + 12]) * bend_z
+        work += 0.5 * (twisting + history[p, STORED + 13]) * twist
         heat += (
-            0.5 * (drag_y + history[p, STORED + 12]) * slip_y
-            + 0.5 * (drag_z + history[p, STORED + 13]) * slip_z
+            0.5 * (drag_y + history[p, STORED + 14]) * slip_y
+            + 0.5 * (drag_z + history[p, STORED + 15]) * slip_z
         )
-        history[p, STORED + 7] = shear_y
-        history[p, STORED + 8] = shear_z
-        history[p, STORED + 9] = bending_y
-        history[p, STORED + 10] = bending_z
-        history[p, STORED + 11] = twisting
-        history[p, STORED + 12] = drag_y
-        history[p, STORED + 13] = drag_z
+        history[p, STORED + 9] = shear_y
+        history[p, STORED + 10] = shear_z
+        history[p, STORED + 11] = bending_y
+        history[p, STORED + 12] = bending_z
+        history[p, STORED + 13] = twisting
+        history[p, STORED + 14] = drag_y
+        history[p, STORED + 15] = drag_z
     lost = work - (stored - history[p, STORED])
     history[p, STORED] = stored
     history[p, STORED + 1] = normal
@@ -147,6 +155,8 @@ def account(
     history[p, STORED + 4] = damp
     history[p, STORED + 5] = drag_x
     history[p, STORED + 6] = overlap
+    history[p, STORED + 7] = work_ahead
+    history[p, STORED + 8] = heat_ahead
     return lost, heat
 
 
@@ -157,12 +167,11 @@ def forget(history, p):
     -------
     lost, heat : float
         Elastic energy that went with it, less what its last normal force gave back over what was left of the overlap,
-        and the same of its dashpot [J].
+        and the work of its last shear force and moments in the step in which it parted; the same of its dashpots [J].
     """
-    left = history[p, STORED + 6]
-    lost = history[p, STORED] - 0.5 * history[p, STORED + 1] * left
-    heat = -0.5 * history[p, STORED + 4] * left
-    for column in range(14 if SPACE else 7):
+    lost = history[p, STORED] - 0.5 * history[p, STORED + 1] * history[p, STORED + 6] + history[p, STORED + 7]
+    heat = history[p, STORED + 8]
+    for column in range(16 if SPACE else 9):
         history[p, STORED + column] = 0.0
     return lost, heat
 
@@ -383,7 +392,14 @@ def range_of_pairs(
                 share = 1.0 if mine else 0.0
                 energy[ELASTIC] += share * stored
                 energy[VISCOUS] += share * heat
+<<<<<<< HEAD
                 if BONDS and number < 0:
+=======
+                if broken > 0:
+                    if not touch:
+                        # apart: the next touch begins without overlap
+                        history[p, STORED + 6] = 0.0
+>>>>>>> main
                     energy[BROKEN] += share * lost
                     if mine:
                         record[-number - 1, RELEASED] = lost

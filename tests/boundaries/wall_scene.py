@@ -149,7 +149,7 @@ class WallScene:
 
     def search(self, old_row_of_new=None):
         self.pairs = find_wall_pairs(
-            self.rows, self.table, buffer=self.buffer, chunk=self.chunk, history_width=17, old=self.pairs,
+            self.rows, self.table, buffer=self.buffer, chunk=self.chunk, history_width=19, old=self.pairs,
             old_row_of_new=old_row_of_new,
         )  # fmt: skip
 

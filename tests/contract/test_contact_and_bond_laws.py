@@ -12,6 +12,8 @@ from tests.contract.bond_strengths import STRENGTHS
 from tests.contract.two_particles import (
     CASES,
     LAWS,
+    LOSSLESS,
+    NOT_LINEAR,
     REGISTERED,
     SIZE,
     Motion,
@@ -32,6 +34,9 @@ every_case = pytest.mark.parametrize(
 pressed = no_motion(approach=20.0 * SIZE)
 """So far that no path of the tests parts the two."""
 
+LITTLE = 1e-3 * SIZE
+"""A step of central differences, which are exact for linear laws."""
+
 
 def test_the_table_has_every_law():
     assert set(LAWS) == set(CONTACT_LAWS) | set(BOND_LAWS)
@@ -48,7 +53,7 @@ def test_every_law_keeps_the_protocol(kind):
 
 @every_case
 def test_force_is_the_gradient_of_the_energy(law, dimension):
-    """dE/d(overlap, slip, twist, bend) = the forces and moments; central differences of a quadratic are exact."""
+    """dE/d(overlap, slip, twist, bend) = the forces and moments, by central differences."""
     parameters = elastic_parameters(law)
     rng = np.random.default_rng(1)
     for _ in range(5):
@@ -63,9 +68,9 @@ def test_force_is_the_gradient_of_the_energy(law, dimension):
                 pair = Pair(law, parameters, dimension)
                 for motion in past:
                     pair.step(motion)
-                pair.step(scaled(unit_motion(axis), sign * SIZE))
+                pair.step(scaled(unit_motion(axis), sign * LITTLE))
                 ends.append(pair.energy())
-            gradient = (ends[0] - ends[1]) / (2.0 * SIZE)
+            gradient = (ends[0] - ends[1]) / (2.0 * LITTLE)
             assert gradient == pytest.approx(force[axis], rel=1e-9, abs=1e-9 * abs(force).max())
 
 
@@ -87,14 +92,15 @@ def unit_motion(axis):
 def test_stiffness_is_what_the_force_gains_in_a_step(law, dimension):
     parameters = elastic_parameters(law)
     pair = Pair(law, parameters, dimension)
-    before = pair.step(pressed).vector()
+    pair.step(pressed)
     kn, ks, twist, bend = pair.stiffness()
     for axis, name in enumerate(law_freedoms(law, dimension)):
         if name:
             expected = {"o": kn, "s": ks, "t": twist, "b": bend}[name[0]]
-            after = pair.step(scaled(unit_motion(axis), SIZE)).vector()
-            assert (after - before)[axis] == pytest.approx(expected * SIZE, rel=1e-9, abs=1e-12)
-            before = after
+            before = pair.step(scaled(unit_motion(axis), -LITTLE)).vector()
+            after = pair.step(scaled(unit_motion(axis), 2.0 * LITTLE)).vector()
+            pair.step(scaled(unit_motion(axis), -LITTLE))
+            assert (after - before)[axis] == pytest.approx(2.0 * expected * LITTLE, rel=1e-9, abs=1e-12)
     if not law.MOMENT:
         assert (twist, bend) == (0.0, 0.0)
 
@@ -105,13 +111,15 @@ def test_an_elastic_loop_costs_nothing(law, dimension):
     start = before = pair.step(pressed)
     stored = pair.energy()
     total = size = 0.0
-    for motion in closed_path(np.random.default_rng(2), dimension, steps=20):
+    # the trapezoid sum is exact for linear laws; else wrong by the square of the steps
+    linear = law.NAME not in NOT_LINEAR
+    for motion in closed_path(np.random.default_rng(2), dimension, steps=20 if linear else 200):
         after = pair.step(motion)
         done = work(before, after, motion)
         assert done == pytest.approx(pair.energy() - stored, rel=1e-6, abs=1e-10 * abs(stored))
         total, size = total + done, size + abs(done)
         stored, before = pair.energy(), after
-    assert abs(total) < 1e-11 * size
+    assert abs(total) < (1e-11 if linear else 1e-8) * size
     assert before.vector() == pytest.approx(start.vector(), rel=0, abs=1e-11 * start.normal)
 
 
@@ -139,7 +147,10 @@ def test_a_loop_gives_no_energy(law, dimension):
         broken += pair.broken
         if size:
             spent_share.append(spent / size)
-    assert max(spent_share) > 0.05, "the loops are meant to slide or break"
+    if law.NAME in LOSSLESS:
+        assert np.median(spent_share) < 1e-4
+    else:
+        assert max(spent_share) > 0.05, "the loops are meant to slide or break"
     assert parted >= 3, "the loops are meant to part the two"
     assert broken >= (6 if law.NAME in BOND_LAWS else 0)
 
@@ -295,17 +306,21 @@ def test_viscous_force_is_eta_k_v(law):
 def test_two_materials(law):
     """Two halves in series, each twice as stiff as its material: 1/k = 1/(2 k1) + 1/(2 k2); a rigid half drops out."""
     first = parameters_of(law)
-    second = first._replace(**{name: 3.0 * value for name, value in first._asdict().items()})
+    second = first._replace(
+        **{name: 3.0 * value for name, value in first._asdict().items() if name != "poisson_ratio"}
+    )
     assert law.combine(first, first) == first
     both = law.combine(first, second)
     assert law.combine(second, first) == pytest.approx(both, rel=1e-15)
-    rigid = first._replace(normal_stiffness=1e30, shear_stiffness=1e30)
+    stiff = {"normal_stiffness", "shear_stiffness", "young_modulus"} & set(first._fields)
+    assert stiff
+    rigid = first._replace(**dict.fromkeys(stiff, 1e30))
     wall = law.against_rigid(first)
-    for name in ("normal_stiffness", "shear_stiffness"):
+    for name in stiff:
         one, other = getattr(first, name), getattr(second, name)
         assert getattr(both, name) == pytest.approx(1.0 / (0.5 / one + 0.5 / other), rel=1e-14)
         assert getattr(wall, name) == pytest.approx(getattr(law.combine(first, rigid), name), rel=1e-14)
-    for name in set(first._fields) - {"normal_stiffness", "shear_stiffness"}:
+    for name in set(first._fields) - stiff:
         assert getattr(wall, name) == getattr(first, name)
         # neither stronger than the stronger material nor weaker than the weaker one
         assert getattr(first, name) <= getattr(both, name) <= getattr(second, name)

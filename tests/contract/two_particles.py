@@ -41,6 +41,7 @@ LAWS = {
         "normal_viscosity": 1e-5,
         "shear_viscosity": 2e-5,
     },
+    "hertz": {"young_modulus": 5e10, "poisson_ratio": 0.2},
     "two_springs": {
         "normal_stiffness": 2e7,
         "shear_stiffness": 8e6,
@@ -70,6 +71,10 @@ ELASTIC = {
     "shear_strength": np.inf,
 }
 """Strengths that no path reaches."""
+
+NOT_LINEAR = {"hertz"}
+LOSSLESS = {"hertz"}
+"""Neither friction nor anything that breaks."""
 
 REGISTERED = {**CONTACT_LAWS, **BOND_LAWS}
 CASES = [(REGISTERED[name], dimension) for name in LAWS for dimension in REGISTERED[name].DIMENSIONS]

@@ -1,0 +1,202 @@
+"""From an assembly to the first state of a particle simulation: tables, features, pairs, time step, start of motion."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .assembly import Assembly
+from .boundaries.wall_pairs import contact_sum
+from .boundaries.wall_table import set_servo_gains
+from .errors import InputError
+from .kernels import motion
+from .kernels.particle_kernel import Features
+from .neighbors import PairList, bond_pairs, rebuild
+from .particle_layout import finite, wall_parameters
+from .particle_network import current_links
+
+if TYPE_CHECKING:
+    from .particle_simulation import ParticleSimulation
+
+Floats = NDArray[np.float64]
+
+SAFETY = 0.5
+"""Share of the critical time step that is used where none is given: a collision then takes at least three steps."""
+
+BUFFER_SHARE = 0.1
+"""Buffer of the pair list over the mean radius."""
+
+
+def refuse_damping(local: float, global_: float, stiffness: float) -> None:
+    """Raise InputError for a damping out of range."""
+    for name, value, most in (
+        ("local_damping", local, 1.0),
+        ("global_damping", global_, math.inf),
+        ("stiffness_damping", stiffness, math.inf),
+    ):
+        if not (math.isfinite(value) and 0.0 <= value < most):
+            bound = "0 to below 1" if most == 1.0 else "0 or more"
+            raise InputError(name, "this damping is out of range", f"Give {bound}", value=value)
+
+
+def choose_buffer(assembly: Assembly, given: float | None) -> float:
+    """The given buffer or one from the radii [m]; raises InputError for none that is a distance."""
+    buffer = BUFFER_SHARE * float(assembly.radii.mean()) if given is None else float(given)
+    if not (math.isfinite(buffer) and buffer > 0.0):
+        raise InputError("buffer", "this is no distance", "Give more than 0 m, or leave it out", value=given)
+    return buffer
+
+
+def parameter_tables(assembly: Assembly, beta: float) -> tuple[Floats, Floats, Floats]:
+    """Parameters of contacts, bonds and contacts with walls, stiffness-proportional damping beta [s] added.
+
+    Raises InputError where a law has no dashpots to add it to.
+    """
+    contact_table = finite(assembly.contact_table)
+    bond_table = finite(assembly.bond_table) if assembly.bond_law is not None else np.zeros((1, 1))
+    wall_table = wall_parameters(assembly) if assembly.walls else np.zeros((1, 1))
+    if beta == 0.0:
+        return contact_table, bond_table, wall_table
+    contact, bond = Features(assembly.dimension, assembly.contact_law, assembly.bond_law).laws()
+    tables = [(contact, contact_table), (contact, wall_table)]
+    if bond is not None:
+        tables.append((bond, bond_table))
+    for law, table in tables:
+        viscous = [k for k, name in enumerate(law.PARAMETERS._fields) if name.endswith("_viscosity")]
+        if not viscous:
+            raise InputError(
+                "stiffness_damping", f"the law {law.NAME!r} has no dashpots",
+                "Use global_damping or local_damping, or another law", value=beta,
+            )  # fmt: skip
+        if table.shape[1] == len(law.PARAMETERS._fields):
+            table[:, viscous] += beta
+    return contact_table, bond_table, wall_table
+
+
+def scene_features(s: ParticleSimulation, *, energy: bool, orientation: bool) -> Features:
+    """What the scene of a simulation has, so that nothing else is compiled in."""
+    a = s.assembly
+    contact, bond = Features(s.dimension, a.contact_law, a.bond_law).laws()
+    fields = contact.PARAMETERS._fields
+    tables = np.concatenate([s.table, s.wall_parameters]) if a.walls else s.table
+    shear = _any_friction(fields, tables)
+    d = s.dimension
+    turns = not a.held[:, d:].all() or bool(a.spins.any())
+    moment = contact.MOMENT or (bond is not None)
+    return Features(
+        dimension=d,
+        contact_law=a.contact_law,
+        bond_law=a.bond_law,
+        materials=len(a.material_names),
+        shear=shear or bond is not None,
+        contact_viscous=bool(getattr(contact, "VISCOUS", False)) and _any_viscosity(fields, tables),
+        bond_viscous=bond is not None
+        and bool(getattr(bond, "VISCOUS", False))
+        and _any_viscosity(bond.PARAMETERS._fields, s.bond_table),
+        bonds_scaled=bond is not None and bool((a.bond_scale != 1.0).any()),
+        rotation=turns and (shear or moment or bool(a.applied[:, d:].any()) or bool(a.spins.any())),
+        orientation=orientation,
+        gravity=bool(a.gravity.any()),
+        applied=bool(a.applied.any()),
+        held=bool(a.held.any()),
+        anchors=a.anchors is not None,
+        walls=bool(a.walls),
+        walls_turn=any(bool(np.any(wall.spin)) for wall in a.walls),
+        local_damping=s.local_damping > 0.0,
+        global_damping=s.global_damping > 0.0,
+        energy=energy,
+        sleep=s.sleep is not None,
+        blocked=d == 3 and s.parallel and not energy,
+    )
+
+
+def _any_friction(fields: tuple[str, ...], table: Floats) -> bool:
+    """Some contact carries shear: laws without a friction coefficient always do."""
+    columns = [k for k, name in enumerate(fields) if name in ("friction_coefficient", "adhesion_shear")]
+    return bool(table[:, columns].any()) if columns else True
+
+
+def _any_viscosity(fields: tuple[str, ...], table: Floats) -> bool:
+    columns = [k for k, name in enumerate(fields) if name.endswith("_viscosity")]
+    return bool(table[:, columns].any()) if columns else False
+
+
+def first_pairs(s: ParticleSimulation) -> PairList:
+    """Near and bonded pairs at the start; bonds carry nothing yet."""
+    a, layout = s.assembly, s.layout
+    common: dict[str, Any] = {
+        "chunk": s.chunk, "buffer": s.buffer, "dimension": s.dimension, "history_width": layout.width,
+    }  # fmt: skip
+    if a.bond_law is None or not len(a.bonds):
+        return rebuild(s.now, s.arrays.ids, None, **common)
+    assert layout.offset is not None
+    distance = np.linalg.norm(a.positions[a.bonds[:, 0]] - a.positions[a.bonds[:, 1]], axis=1)
+    histories = np.zeros((len(a.bonds), len(layout.bond) + 1))
+    histories[:, -1] = distance - a.radii[a.bonds].sum(axis=1)
+    return bond_pairs(s.now, s.arrays.ids, a.bonds, histories, offset=len(layout.contact), **common)
+
+
+def choose_time_step(critical: float, given: float | None) -> float:
+    """The given step or a safe one [s]; raises InputError for one that would explode, or where none follows."""
+    if given is None:
+        if not math.isfinite(critical):
+            raise InputError(
+                "time_step", "nothing in this scene has a stiffness, so no step follows from it",
+                "Give one in seconds",
+            )  # fmt: skip
+        return SAFETY * critical
+    if not (math.isfinite(given) and given > 0.0):
+        raise InputError("time_step", "this is no time", "Give seconds, more than 0", value=given)
+    if given > critical:
+        raise InputError(
+            "time_step", f"this is above the critical time step of {critical:.6g} s, so the motion would explode",
+            f"Give {SAFETY * critical:.3g} s, or leave it out", value=given,
+        )  # fmt: skip
+    return float(given)
+
+
+def choose_servo_gains(s: ParticleSimulation) -> None:
+    """Gains of servos that were given none, from the stiffness of the contacts that touch their walls now."""
+    if any(wall.servo is not None and wall.servo.gain is None for wall in s.assembly.walls):
+        links = current_links(s, walls_only=True)
+        one = float(links.kn.max()) if len(links.kn) else float(s.table[:, 0].max())
+        total = contact_sum(s.walls, s.wall_pairs, np.full(len(s.wall_pairs.particle), one))
+        set_servo_gains(s.walls, s.assembly.walls, np.maximum(total, one), s.time_step)
+
+
+def start_half_a_step_back(s: ParticleSimulation) -> None:
+    """Velocities half a step back from those given, so that the motion is of second order from its first step.
+
+    To be called after a step of no length, which has found the forces of the given state.
+    """
+    arrays, d = s.arrays, s.dimension
+    now = s.rows[s.phase]
+    # as given: even a step of no length leaves nothing quite at rest
+    given = s.rows[1 - s.phase]
+    velocity = np.hstack([given[:, s.columns.velocity], given[:, s.columns.spin]])
+    resultant = s.force - s.local_damping * np.abs(s.force) * np.sign(velocity)
+    inverse = np.column_stack([arrays.inverse_mass] * d + [arrays.inverse_inertia] * s.assembly.rotations)
+    rate = np.where(s.assembly.held[arrays.ids], 0.0, resultant * inverse - s.global_damping * velocity)
+    if not s.features.rotation:
+        rate[:, d:] = 0.0
+    if s.local_damping > 0.0:
+        # half a step back from rest is a way backwards, on which local damping would push
+        rate[velocity == 0.0] = 0.0
+    before = velocity - 0.5 * s.time_step * rate
+    now[:, s.columns.velocity] = before[:, :d]
+    now[:, s.columns.spin] = before[:, d:]
+    free = ~s.assembly.held[arrays.ids]
+    both = before * (before + s.time_step * rate) / inverse
+    s.initial_energy = float(0.5 * both[free].sum())
+    if s.features.energy:
+        s.initial_energy += float(s.sums[:, [motion.TOTAL_ELASTIC, motion.ANCHORED]].sum())
+        # the first step counts the work on a way of half a step back, which was never gone
+        back = np.where(free, s.time_step * before, 0.0)
+        weight = s.assembly.gravity / arrays.inverse_mass[:, None]
+        s.sums[0, motion.GRAVITATION] -= float((weight * back[:, :d]).sum())
+        s.sums[0, motion.FORCING] -= float((arrays.applied * back).sum())
+        drag = s.local_damping * np.abs(s.force) * np.sign(before)
+        s.sums[0, motion.DAMPING] -= 0.5 * float((drag * back).sum())
