@@ -15,7 +15,7 @@ from .kernels import motion
 from .kernels.adapters import HistoryLayout
 from .kernels.particle_kernel import Features
 from .measure.particle_energy import ParticleEnergy
-from .neighbors import PairList
+from .neighbors import Halo, PairList
 from .particle_layout import Columns, RowArrays
 
 Floats = NDArray[np.float64]
@@ -82,6 +82,8 @@ class ParticleReading:
     angle : (n, 1) [rad] or (n, 4)
     force : (n, d + s) [N, N m]
     pairs : PairList
+    halo : Halo
+    halo_force : (h, d + s) [N, N m]
     walls : WallTable
     record : (b, 3 + d)
         Of every bond: mode of its break (0: intact), step, energy, place.
@@ -105,6 +107,8 @@ class ParticleReading:
     angle: Floats
     force: Floats
     pairs: PairList
+    halo: Halo
+    halo_force: Floats
     walls: WallTable
     record: Floats
     utilisation: Floats
@@ -250,5 +254,5 @@ class ParticleReading:
     def nbytes(self) -> int:
         """Memory of the state, the lists and what the steps read [bytes]."""
         arrays = [self.rows, self.angle, self.force, self.reference, self.record, self.utilisation, self.sums]
-        arrays += list(vars(self.arrays).values())
-        return sum(array.nbytes for array in arrays) + self.pairs.nbytes
+        arrays += [self.halo_force, *vars(self.arrays).values()]
+        return sum(array.nbytes for array in arrays) + self.pairs.nbytes + self.halo.nbytes

@@ -9,8 +9,9 @@ is measured from the distance at bonding, so that neither a bond nor what is lef
 arms (d + ra - rb)/2 and (d + rb - ra)/2 add up to d, so that a rigid rotation of the pair is no slip. Forces are
 those on a: -normal n + shear. In 2D a law is called in the contact's own frame: x is along t = (-ny, nx).
 
-A chunk owns a range of particles. It adds up the force on its own particles only: a pair across two chunks stands
-in both, and both compute it from the same numbers in the same order, so the bits never depend on threads.
+A chunk owns a range of particles and the pairs that are listed under them. What a pair across two chunks does to the
+other chunk's particle is added up in the halo of its own (`geodem.neighbors.halo`), so the bits never depend on
+threads.
 """
 
 from __future__ import annotations
@@ -177,7 +178,7 @@ def forget(history, p):
 
 
 def range_of_pairs(
-    first, last, base, size, now, pair_a, pair_b, pair_bond, touching, history, table, bond_table, bond_scale,
+    first, last, now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history, table, bond_table, bond_scale,
     time_step, step, breaking, force, energy, utilisation, record, fresh,
 ):  # fmt: skip
     """As `pairs`, but a bond that breaks is only noted in fresh (p,), and marked by a negative number in pair_bond.
@@ -198,11 +199,12 @@ def range_of_pairs(
     loads = force.reshape(force.size)
     pair_a = pair_a[first:last]
     pair_b = pair_b[first:last]
+    local_a = local_a[first:last]
+    local_b = local_b[first:last]
     touching = touching[first:last]
     history = history[first:last]
     if BONDS:
         pair_bond = pair_bond[first:last]
-    others = np.uint32(size)
     far = len(rows) > FAR
     # read once: the compiler cannot know that no force is written over them
     common = contact_parameters(table, 0)
@@ -210,9 +212,6 @@ def range_of_pairs(
     for p in range(last - first):
         if far:
             fetch_ahead(rows, pair_a, pair_b, p)
-        # what is not the chunk's is a very large number without sign, and goes to the last row
-        own_a = min(np.uint32(int(pair_a[p]) - base), others)
-        own_b = min(np.uint32(int(pair_b[p]) - base), others)
         a = WIDTH * int(pair_a[p])
         b = WIDTH * int(pair_b[p])
         dx = rows[b] - rows[a]
@@ -236,8 +235,6 @@ def range_of_pairs(
             parameters = common if ONE_MATERIAL else contact_parameters(table, row)
             limit = zero + contact_reach(parameters, radius_a, radius_b)
             touch = square < limit * limit
-        # a pair across chunks counts where its first particle is
-        mine = own_a < others
         # bonded first: where bonds swing about their length, nobody can guess what touches
         if number != 0 or touch:
             distance = math.sqrt(square)
@@ -320,7 +317,7 @@ def range_of_pairs(
                     bond_scale[number - 1] if SCALED else 1.0, kept,
                 )  # fmt: skip
                 store_bond(history, p, kept)
-                if RELAX and mine:
+                if RELAX:
                     utilisation[number - 1, 0] = tension
                     utilisation[number - 1, 1] = cut
                 if tension >= breaking or cut >= breaking:
@@ -328,13 +325,12 @@ def range_of_pairs(
                     if REPLACES and touch:
                         # what the bond carried in shear is handed over; it has taken this step's slip already
                         store_contact(history, p, with_shear(held, shear_x, shear_y, shear_z))
-                    if mine:
-                        record[number - 1, STATE] = 1 if tension >= cut else 2
-                        record[number - 1, STEP] = step
-                        record[number - 1, PLACE] = rows[a] + arm_a * nx
-                        record[number - 1, PLACE + 1] = rows[a + 1] + arm_a * ny
-                        if SPACE:
-                            record[number - 1, PLACE + 2] = rows[a + 2] + arm_a * nz
+                    record[number - 1, STATE] = 1 if tension >= cut else 2
+                    record[number - 1, STEP] = step
+                    record[number - 1, PLACE] = rows[a] + arm_a * nx
+                    record[number - 1, PLACE + 1] = rows[a + 1] + arm_a * ny
+                    if SPACE:
+                        record[number - 1, PLACE + 2] = rows[a + 2] + arm_a * nz
                     fresh[overstressed] = p
                     overstressed += 1
                     continue
@@ -389,24 +385,18 @@ def range_of_pairs(
                     bend_x, bend_y, bend_z, overlap, normal, shear_x, shear_y, shear_z, twisting, bending_x,
                     bending_y, bending_z, damp, drag_x, drag_y, drag_z,
                 )  # fmt: skip
-                share = 1.0 if mine else 0.0
-                energy[ELASTIC] += share * stored
-                energy[VISCOUS] += share * heat
-<<<<<<< HEAD
+                energy[ELASTIC] += stored
+                energy[VISCOUS] += heat
                 if BONDS and number < 0:
-=======
-                if broken > 0:
                     if not touch:
                         # apart: the next touch begins without overlap
                         history[p, STORED + 6] = 0.0
->>>>>>> main
-                    energy[BROKEN] += share * lost
-                    if mine:
-                        record[-number - 1, RELEASED] = lost
+                    energy[BROKEN] += lost
+                    record[-number - 1, RELEASED] = lost
                 else:
-                    energy[FRICTION] += share * lost
-            i = FREEDOMS * int(own_a)
-            j = FREEDOMS * int(own_b)
+                    energy[FRICTION] += lost
+            i = FREEDOMS * int(local_a[p])
+            j = FREEDOMS * int(local_b[p])
             normal += damp
             shear_x += drag_x
             if SPACE:
@@ -443,17 +433,15 @@ def range_of_pairs(
                 loads[j] -= fx
                 loads[j + 1] -= fy
                 loads[j + 2] += arm_b * shear_x - mz
-            weight = 1.0 if mine else 0.0
-            contacts += weight
-            thrust += weight * abs(normal)
+            contacts += 1.0
+            thrust += abs(normal)
         elif touched:
             touching[p] = 0
             store_contact(history, p, no_contact())
             if ENERGY:
-                share = 1.0 if mine else 0.0
                 lost, heat = forget(history, p)
-                energy[FRICTION] += share * lost
-                energy[VISCOUS] += share * heat
+                energy[FRICTION] += lost
+                energy[VISCOUS] += heat
             if BONDS and history[p, OFFSET] > 0.0:
                 # apart: from now on the pair touches where its surfaces do
                 history[p, OFFSET] = 0.0
@@ -461,25 +449,24 @@ def range_of_pairs(
 
 
 def pairs(
-    first, last, base, size, now, pair_a, pair_b, pair_bond, touching, history, table, bond_table, bond_scale,
+    first, last, now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history, table, bond_table, bond_scale,
     time_step, step, breaking, force, energy, utilisation, record,
 ):  # fmt: skip
-    """Forces of pairs `first` to `last` of the chunk that owns `size` particles from `base`.
+    """Forces of the pairs `first` to `last` of a chunk.
 
-    now (n, 8 or 12): rows; pair_a, pair_b, pair_bond, touching (p,), history (p, H): the pair list; table,
-    bond_table: parameters by pair of materials; bond_scale (b,); breaking: utilisation at which bonds break,
-    1 but in statics, where utilisation (b, 2) is noted; force (size + 1, 3 or 6), energy (4,): added to; record
-    (b, 5 or 6).
+    now (n, 8 or 12): rows; pair_a, pair_b, local_a, local_b, pair_bond, touching (p,), history (p, H): the pair list
+    and its halo; table, bond_table: parameters by pair of materials; bond_scale (b,); breaking: utilisation at which
+    bonds break, 1 but in statics, where utilisation (b, 2) is noted; force (own
+    particles and halo, 3 or 6), energy (4,): added to; record (b, 5 or 6).
 
     Returns
     -------
     contacts, thrust : float
-        Number of pairs that carry force and the sum of their normal forces [N]; a pair across chunks counts where its
-        first particle is.
+        Number of pairs that carry force and the sum of their normal forces [N].
     """
     fresh = np.empty(last - first if BONDS else 0, np.uint32)
     contacts, thrust, broken = range_of_pairs(
-        first, last, base, size, now, pair_a, pair_b, pair_bond, touching, history, table, bond_table, bond_scale,
+        first, last, now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history, table, bond_table, bond_scale,
         time_step, step, breaking, force, energy, utilisation, record, fresh,
     )  # fmt: skip
     if BONDS:
@@ -487,7 +474,7 @@ def pairs(
         for k in range(broken):
             p = first + int(fresh[k])
             more, pressed, _ = range_of_pairs(
-                p, p + 1, base, size, now, pair_a, pair_b, pair_bond, touching, history, table, bond_table,
+                p, p + 1, now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history, table, bond_table,
                 bond_scale, time_step, step, breaking, force, energy, utilisation, record, fresh[:0],
             )  # fmt: skip
             contacts += more

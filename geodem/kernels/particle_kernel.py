@@ -137,7 +137,8 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
         loops += sleep.FUNCTIONS
     else:
         adapters += ["sleep_and_wake = None"]
-    loops += [motion.direction, motion.turn, motion.move, steps.step_chunk, steps.advance]
+    loops += [motion.direction, motion.turn, motion.move, steps.watched, steps.chunk_forces, steps.chunk_motion]
+    loops.append(steps.advance)
     return compile_kernel(
         loops,
         _constants(features, contact, bond),
