@@ -403,7 +403,7 @@ def touching_pairs(rows, pair_a, pair_b, pair_bond, touching, history, table, pl
 
 def pairs(
     first, last, now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history, table, bond_table, bond_scale,
-    time_step, step, breaking, force, energy, utilisation, record,
+    time_step, step, breaking, force, halo_force, energy, utilisation, record,
 ):  # fmt: skip
     """As `geodem.kernels.pairs.pairs`, without the energy account."""
     # slices, so that no index can be negative, and rows flat, so that their width is a constant
@@ -422,8 +422,8 @@ def pairs(
     own_b = np.empty(LANES, np.uint32)
     row = np.zeros(LANES, np.uint32)
     # apart for a and b: a sum that waits for the last one waits half as often
-    force_a = np.zeros(8 * len(force))
-    force_b = np.zeros(8 * len(force))
+    force_a = np.zeros(8 * (len(force) + len(halo_force)))
+    force_b = np.zeros(8 * (len(force) + len(halo_force)))
     contacts = 0.0
     thrust = 0.0
     for kind in range(0 if BONDS else 1, 2):
@@ -486,10 +486,16 @@ def pairs(
             contacts += count_here
             thrust += thrust_here
             scatter(block, filled, own_a, own_b, force_a, force_b)
-    for k in range(len(force)):
+    size = len(force)
+    for k in range(size):
         for axis in range(3):
-            force[k, axis] += force_a[8 * k + axis] + force_b[8 * k + axis]
-            force[k, 3 + axis] += force_a[8 * k + 4 + axis] + force_b[8 * k + 4 + axis]
+            force[k, axis] = force_a[8 * k + axis] + force_b[8 * k + axis]
+            force[k, 3 + axis] = force_a[8 * k + 4 + axis] + force_b[8 * k + 4 + axis]
+    for k in range(len(halo_force)):
+        at = 8 * (size + k)
+        for axis in range(3):
+            halo_force[k, axis] = force_a[at + axis] + force_b[at + axis]
+            halo_force[k, 3 + axis] = force_a[at + 4 + axis] + force_b[at + 4 + axis]
     return contacts, thrust
 
 

@@ -450,24 +450,25 @@ def range_of_pairs(
 
 def pairs(
     first, last, now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history, table, bond_table, bond_scale,
-    time_step, step, breaking, force, energy, utilisation, record,
+    time_step, step, breaking, force, halo_force, energy, utilisation, record,
 ):  # fmt: skip
     """Forces of the pairs `first` to `last` of a chunk.
 
     now (n, 8 or 12): rows; pair_a, pair_b, local_a, local_b, pair_bond, touching (p,), history (p, H): the pair list
     and its halo; table, bond_table: parameters by pair of materials; bond_scale (b,); breaking: utilisation at which
     bonds break, 1 but in statics, where utilisation (b, 2) is noted; force (own
-    particles and halo, 3 or 6), energy (4,): added to; record (b, 5 or 6).
+    particles, 3 or 6), halo_force (halo, 3 or 6): overwritten; energy (4,): added to; record (b, 5 or 6).
 
     Returns
     -------
     contacts, thrust : float
         Number of pairs that carry force and the sum of their normal forces [N].
     """
+    load = np.zeros((len(force) + len(halo_force), FREEDOMS))
     fresh = np.empty(last - first if BONDS else 0, np.uint32)
     contacts, thrust, broken = range_of_pairs(
         first, last, now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history, table, bond_table, bond_scale,
-        time_step, step, breaking, force, energy, utilisation, record, fresh,
+        time_step, step, breaking, load, energy, utilisation, record, fresh,
     )  # fmt: skip
     if BONDS:
         # what broke is looked at once more as a contact: so the loop over intact bonds has no room for it
@@ -475,8 +476,15 @@ def pairs(
             p = first + int(fresh[k])
             more, pressed, _ = range_of_pairs(
                 p, p + 1, now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history, table, bond_table,
-                bond_scale, time_step, step, breaking, force, energy, utilisation, record, fresh[:0],
+                bond_scale, time_step, step, breaking, load, energy, utilisation, record, fresh[:0],
             )  # fmt: skip
             contacts += more
             thrust += pressed
+    size = len(force)
+    for k in range(size):
+        for axis in range(FREEDOMS):
+            force[k, axis] = load[k, axis]
+    for k in range(len(halo_force)):
+        for axis in range(FREEDOMS):
+            halo_force[k, axis] = load[size + k, axis]
     return contacts, thrust

@@ -53,13 +53,15 @@ def chunk_forces(
     """Forces of one chunk's pairs: on its own particles, where it is awake, and on those in its halo."""
     base = chunk * chunk_size
     size = min(chunk_size, len(now) - base)
-    begin = halo_start[chunk]
-    halo = halo_start[chunk + 1] - begin
-    load = np.zeros((size + halo, FREEDOMS))
+    own = force[base : base + size]
+    if SLEEP and not awake:
+        # what it felt last is kept
+        own = np.empty((size, FREEDOMS))
     energy = np.zeros(4)
     contacts, thrust = pairs(
         pair_start[chunk], pair_start[chunk + 1], now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history,
-        table, bond_table, bond_scale, time_step, step, breaking, load, energy, utilisation, record,
+        table, bond_table, bond_scale, time_step, step, breaking, own,
+        halo_force[halo_start[chunk] : halo_start[chunk + 1]], energy, utilisation, record,
     )  # fmt: skip
     sums[CONTACTS] = contacts
     sums[THRUST] = thrust
@@ -68,13 +70,6 @@ def chunk_forces(
         sums[TOTAL_VISCOUS] += energy[1]
         sums[TOTAL_BROKEN] += energy[2]
         sums[TOTAL_ELASTIC] = energy[3]
-    if awake:
-        for k in range(size):
-            for axis in range(FREEDOMS):
-                force[base + k, axis] = load[k, axis]
-    for k in range(halo):
-        for axis in range(FREEDOMS):
-            halo_force[begin + k, axis] = load[size + k, axis]
 
 
 def chunk_motion(
