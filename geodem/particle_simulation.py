@@ -303,9 +303,11 @@ class ParticleSimulation(ParticleReading):
         if not self.moved + self.carried <= self.buffer:
             self._look()
         known = len(kernel.advance.signatures)
-        threads = self._pilot.choose() if self.parallel else 1
+        threads, most = self._pilot.choose() if self.parallel else (1, steps)
+        steps = min(steps, most)
         start = time.perf_counter()
         done, moved, carried, damping = kernel.advance(
+            threads,
             *self._arguments(
                 steps,
                 time_step,
@@ -320,7 +322,7 @@ class ParticleSimulation(ParticleReading):
         seconds = time.perf_counter() - start
         if len(kernel.advance.signatures) > known:
             add_compile_seconds(seconds)
-        elif threads:
+        elif self.parallel:
             self._pilot.learn(seconds / done)
         self.phase = (self.phase + done) & 1
         self.steps += done
@@ -341,13 +343,13 @@ class ParticleSimulation(ParticleReading):
         damping_ratio: float,
         old_force: Floats,
     ) -> tuple[Any, ...]:
-        """Arguments of `geodem.kernels.steps.advance`."""
+        """Arguments of `geodem.kernels.steps.advance` after the first."""
         p, h, w, t, rows = self.pairs, self.halo, self.wall_pairs, self.walls, self.arrays
         around, neighbour = self._around
         sleep = self.sleep or Sleep(0.0, 0)
         return (
             steps, self.rows, self.phase, self.chunk, p.start, p.a, p.b,
-            h.local_a, h.local_b, p.bond, p.touching, p.history, h.start, h.into, h.source, h.target,
+            h.local_a, h.local_b, p.bond, p.touching, p.history, h.start, h.into, h.source, h.target, h.lowest,
             self.table, self.bond_table, self.bond_scale, inverse_mass, inverse_inertia, self.assembly.gravity,
             rows.applied, rows.held, rows.anchor_of, self.anchors, self.angle,
             w.start, w.particle, w.primitive, w.touching, w.history, w.normal, w.geometry, w.feature,

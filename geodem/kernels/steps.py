@@ -108,8 +108,8 @@ def chunk_motion(
 
 
 def advance(
-    steps, rows, phase, chunk_size, pair_start, pair_a, pair_b, local_a, local_b, pair_bond, touching, history,
-    halo_start, into, source, target, table, bond_table, bond_scale, inverse_mass, inverse_inertia, gravity, applied, held, anchor_of, anchors, angle,
+    teams, steps, rows, phase, chunk_size, pair_start, pair_a, pair_b, local_a, local_b, pair_bond, touching, history,
+    halo_start, into, source, target, lowest, table, bond_table, bond_scale, inverse_mass, inverse_inertia, gravity, applied, held, anchor_of, anchors, angle,
     wall_start, wall_particle, wall_primitive, wall_touching, wall_history, wall_normal, wall_geometry, wall_feature,
     shape, kind, body, vertex, bodies, wall_table, wall_sums,
     time_step, first_step, breaking, local_damping, global_damping, damping_ratio, old_force, utilisation, record, sums,
@@ -117,6 +117,7 @@ def advance(
 ):  # fmt: skip
     """Up to `steps` steps; fewer where particles may have moved farther than the pair list allows.
 
+    teams: parts of the chunks that are computed at the same time, one a thread; no bit depends on their number.
     rows (2, n, 8 or 12), phase: which of the two holds the present; local_a to target: see `geodem.neighbors.halo`;
     sums (chunks, 17); force (n, 3 or 6): resultants of the last step, halo_force (h, 3 or 6); allowance [m]: how far particles
     and walls may still move together; global_damping, damping_ratio: where RELAX, the damping of the first step and its
@@ -140,23 +141,37 @@ def advance(
         present = (phase + done) & 1
         now = rows[present]
         following = rows[1 - present]
-        for chunk in prange(chunks):
-            awake = not SLEEP or asleep[chunk] == 0
-            if awake or watched(chunk, neighbour_start, neighbour, asleep):
-                chunk_forces(
-                    chunk, chunk_size, now, pair_start, pair_a, pair_b, local_a, local_b, pair_bond, touching, history,
-                    table, bond_table, bond_scale, halo_start, time_step, first_step + done, breaking,
-                    utilisation, record, sums[chunk], force, halo_force, awake,
-                )  # fmt: skip
-        for chunk in prange(chunks):
-            if SLEEP and asleep[chunk] != 0:
-                continue
-            chunk_motion(
-                chunk, chunk_size, now, following, into, source, target, inverse_mass, inverse_inertia, gravity,
-                applied, held, anchor_of, anchors, angle, wall_start, wall_particle, wall_primitive, wall_touching,
-                wall_history, wall_normal, wall_geometry, wall_feature, shape, kind, body, vertex, bodies, wall_table,
-                wall_sums, time_step, local_damping, global_damping, old_force, sums[chunk], force, halo_force,
-            )  # fmt: skip
+        # what a chunk takes over comes from chunks before it: where they are the same team's, its particles are moved
+        # at once, while they are in the cache
+        for team in prange(teams):
+            first = team * chunks // teams
+            for chunk in range(first, (team + 1) * chunks // teams):
+                awake = not SLEEP or asleep[chunk] == 0
+                if awake or watched(chunk, neighbour_start, neighbour, asleep):
+                    chunk_forces(
+                        chunk, chunk_size, now, pair_start, pair_a, pair_b, local_a, local_b, pair_bond, touching,
+                        history, table, bond_table, bond_scale, halo_start, time_step, first_step + done, breaking,
+                        utilisation, record, sums[chunk], force, halo_force, awake,
+                    )  # fmt: skip
+                if awake and lowest[chunk] >= first:
+                    chunk_motion(
+                        chunk, chunk_size, now, following, into, source, target, inverse_mass, inverse_inertia,
+                        gravity, applied, held, anchor_of, anchors, angle, wall_start, wall_particle, wall_primitive,
+                        wall_touching, wall_history, wall_normal, wall_geometry, wall_feature, shape, kind, body,
+                        vertex, bodies, wall_table, wall_sums, time_step, local_damping, global_damping, old_force,
+                        sums[chunk], force, halo_force,
+                    )  # fmt: skip
+        for team in prange(teams):
+            first = team * chunks // teams
+            for chunk in range(first, (team + 1) * chunks // teams):
+                if lowest[chunk] < first and not (SLEEP and asleep[chunk] != 0):
+                    chunk_motion(
+                        chunk, chunk_size, now, following, into, source, target, inverse_mass, inverse_inertia,
+                        gravity, applied, held, anchor_of, anchors, angle, wall_start, wall_particle, wall_primitive,
+                        wall_touching, wall_history, wall_normal, wall_geometry, wall_feature, shape, kind, body,
+                        vertex, bodies, wall_table, wall_sums, time_step, local_damping, global_damping, old_force,
+                        sums[chunk], force, halo_force,
+                    )  # fmt: skip
         fastest = 0.0
         for chunk in range(chunks):
             fastest = max(fastest, sums[chunk, FASTEST])

@@ -38,6 +38,9 @@ class Halo:
         Place in the halo of all.
     target : (h,) uint32
         Place of the particle in the chunk that owns it. Every chunk takes over in the order of the chunks it takes from.
+    lowest : (chunks,) int64
+        The first chunk from which a chunk takes over, or itself. None comes after it: pairs are listed under the
+        lower row.
     across : int
         Pairs across chunks.
     """
@@ -48,12 +51,13 @@ class Halo:
     into: NDArray[np.int64]
     source: NDArray[np.int64]
     target: NDArray[np.uint32]
+    lowest: NDArray[np.int64]
     across: int
 
     @property
     def nbytes(self) -> int:
         """Memory [bytes]."""
-        arrays = (self.local_a, self.local_b, self.start, self.into, self.source, self.target)
+        arrays = (self.local_a, self.local_b, self.start, self.into, self.source, self.target, self.lowest)
         return sum(array.nbytes for array in arrays)
 
 
@@ -74,8 +78,9 @@ def find_halo(pairs: PairList) -> Halo:
     into = np.zeros(chunks + 2, dtype=np.int64)
     source = np.empty(int(start[-1]), dtype=np.int64)
     target = np.empty(int(start[-1]), dtype=np.uint32)
-    kernel.list_takers(pairs.chunk, pairs.start, found, start, into, source, target)
-    return Halo(local_a, local_b, start, into[:-1], source, target, int(across.sum()))
+    lowest = np.arange(chunks)
+    kernel.list_takers(pairs.chunk, pairs.start, found, start, into, source, target, lowest)
+    return Halo(local_a, local_b, start, into[:-1], source, target, lowest, int(across.sum()))
 
 
 @cache
@@ -126,8 +131,11 @@ def number_halo(particles, chunk, pair_start, pair_a, pair_b, local_a, local_b, 
             across[part] = crossing
 
 
-def list_takers(chunk, pair_start, found, start, into, source, target):
-    """Who takes over what is added up in the halo: into (chunks + 2,) zeros, source, target (h,), overwritten."""
+def list_takers(chunk, pair_start, found, start, into, source, target, lowest):
+    """Who takes over what is added up in the halo: into (chunks + 2,) zeros, source, target (h,), overwritten.
+
+    lowest (chunks,): lowered.
+    """
     chunks = len(pair_start) - 1
     for part in range(chunks):
         for k in range(start[part + 1] - start[part]):
@@ -138,6 +146,7 @@ def list_takers(chunk, pair_start, found, start, into, source, target):
         for k in range(start[part + 1] - start[part]):
             row = found[pair_start[part] + k]
             owner = row // chunk
+            lowest[owner] = min(lowest[owner], part)
             place = into[owner + 1]
             source[place] = start[part] + k
             target[place] = row - owner * chunk
