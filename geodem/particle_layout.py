@@ -3,18 +3,34 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .assembly import Assembly
 from .errors import InputError
-from .neighbors import spatial_order
+from .neighbors import PairList, spatial_order
 
 Floats = NDArray[np.float64]
 
 UNBREAKABLE = 1e300
 """What stands for an infinite strength in the kernels, which know finite numbers only."""
+
+
+NOTHING_AROUND = (np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
+"""Stands for the chunks around each chunk where nothing sleeps."""
+
+
+class Sleep(NamedTuple):
+    """When parts at rest are skipped.
+
+    Chunks of particles (neighbours in space) slower than `speed` for `steps` steps, they and all chunks they touch, are
+    taken to stand still and cost nothing until something near them moves faster.
+    """
+
+    speed: float  # [m/s]
+    steps: int = 100
 
 
 class Columns:
@@ -145,3 +161,17 @@ def chunk_size(particles: int, serial: bool) -> int:
     while size < 1024 and size * 64 < particles:
         size *= 2
     return size
+
+
+def chunks_around(pairs: PairList) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Chunks that share pairs with each chunk, as compressed rows."""
+    first, second = pairs.a.astype(np.int64) // pairs.chunk, pairs.b.astype(np.int64) // pairs.chunk
+    across = first != second
+    chunks = len(pairs.start) - 1
+    key = np.unique(
+        np.concatenate([first[across] * chunks + second[across], second[across] * chunks + first[across]])
+    )
+    start = np.zeros(chunks + 1, dtype=np.int64)
+    np.cumsum(np.bincount(key // chunks, minlength=chunks), out=start[1:])
+    neighbour = key % chunks
+    return start, neighbour if len(neighbour) else np.zeros(1, np.int64)

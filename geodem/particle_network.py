@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .integrators.critical_step import critical_step, largest_frequency
+from .integrators.critical_step import critical_step, largest_frequency, largest_frequency_of_products
 from .integrators.link_stiffness import law_stiffness
 from .integrators.network import (
     RIGID,
@@ -21,18 +21,15 @@ from .integrators.network import (
     links,
     stiffness_matrix,
 )
+from .kernels.link_products import link_product
 
 if TYPE_CHECKING:
     from .particle_simulation import ParticleSimulation
 
 Floats = NDArray[np.float64]
 
-MEASURED_WHOLE = 20_000
-"""Up to this many particles the largest frequency is measured on the whole; beyond, on its stiffest parts."""
-PART = 4_000
-"""Particles of such a part: its highest modes are local, and die out within a few particles."""
-PARTS = 3
-MARGIN = 1.01
+MATRIX_LIMIT = 20_000
+"""Up to this many particles the largest frequency is that of a matrix; beyond, no matrix is made."""
 
 
 def current_links(simulation: ParticleSimulation, *, walls_only: bool = False) -> Links:
@@ -71,20 +68,27 @@ def _pair_links(s: ParticleSimulation, *, listed: bool = True) -> Links:
     if not listed:
         once &= (p.bond > 0) | (p.touching > 0)
     first, second = p.a[once].astype(np.int64), p.b[once].astype(np.int64)
+    bonded = p.bond[once] > 0
+    del under, once
     now = s.now
-    apart = now[second][:, columns.position] - now[first][:, columns.position]
-    distance = np.sqrt((apart**2).sum(axis=1))
-    radius_a, radius_b = now[first, columns.radius], now[second, columns.radius]
+    # columns first, rows then: a whole row of every end would not fit beside a large list
+    positions = np.ascontiguousarray(now[:, columns.position])
+    apart = positions[second]
+    apart -= positions[first]
+    distance = np.sqrt(np.einsum("ij,ij->i", apart, apart))
+    radii = np.ascontiguousarray(now[:, columns.radius])
+    radius_a, radius_b = radii[first], radii[second]
     material = now[:, columns.material].astype(np.int64)
     row = material[first] * len(s.assembly.material_names) + material[second]
     contact, bond = s.features.laws()
     sizes = {"radius_a": radius_a, "radius_b": radius_b, "distance": distance}
     overlap = radius_a + radius_b - distance
-    bonded = p.bond[once] > 0
-    own = np.ones(len(first), dtype=bool) if bond is None or not bond.REPLACES_CONTACT else ~bonded
+    own: NDArray[np.bool_] | slice = slice(None)
+    if bond is not None and bond.REPLACES_CONTACT:
+        own = ~bonded
     stiffness = np.zeros((len(first), 4))
     chosen = {name: value[own] for name, value in sizes.items()}
-    stiffness[own] += law_stiffness(
+    stiffness[own] = law_stiffness(
         contact, s.dimension, s.table[row[own]], overlap=np.maximum(overlap[own], 0.0), **chosen
     )
     if not s.features.shear:
@@ -96,7 +100,8 @@ def _pair_links(s: ParticleSimulation, *, listed: bool = True) -> Links:
         )
     half = 0.5 * (distance + radius_a - radius_b)
     arms = np.stack([half, distance - half], axis=1)
-    return links(first, second, apart / distance[:, None], arms, *stiffness.T)
+    apart /= distance[:, None]
+    return links(first, second, apart, arms, *stiffness.T)
 
 
 def _chosen(found: Links, which: NDArray[np.bool_]) -> Links:
@@ -185,11 +190,15 @@ def critical_time_step(s: ParticleSimulation, *, local_damping: float) -> float:
     if len(found.first) or s.assembly.anchors is not None:
         positions = np.ascontiguousarray(s.now[:, s.columns.position])
         inertias = np.column_stack([mass] * s.dimension + [inertia] * s.assembly.rotations)
-        if n <= MEASURED_WHOLE:
-            matrix = stiffness_matrix(build_network(positions, found, current_springs(s)))
-            frequency = max(frequency, largest_frequency(matrix, inertias, held))
+        springs = current_springs(s)
+        if n <= MATRIX_LIMIT:
+            matrix = stiffness_matrix(build_network(positions, found, springs))
+            measured = largest_frequency(matrix, inertias, held)
         else:
-            frequency = max(frequency, _largest_of_parts(found, positions, inertias, held))
+            measured = largest_frequency_of_products(
+                lambda moved: link_product(found, springs, moved), inertias, held
+            )
+        frequency = max(frequency, measured)
     return critical_step(frequency, viscous=0.5 * viscosity * frequency, local=local_damping)
 
 
@@ -229,35 +238,3 @@ def _viscosity(s: ParticleSimulation) -> float:
             if name.endswith("_viscosity"):
                 largest = max(largest, float(table[:, k].max()))
     return largest
-
-
-def _largest_of_parts(found: Links, positions: Floats, inertias: Floats, held: NDArray[np.bool_]) -> float:
-    """Largest frequency of the stiffest parts of a large assembly, a little up."""
-    from scipy.spatial import cKDTree
-
-    n = len(positions)
-    second = found.second >= 0
-    particle = np.concatenate([found.first, found.second[second]])
-    total = found.kn + found.ks
-    rate = np.bincount(particle, np.concatenate([total, total[second]]), minlength=n) / inertias[:, 0]
-    rate[held[:, 0]] = 0.0
-    tree = cKDTree(positions)
-    frequency = 0.0
-    open_ = np.ones(n, dtype=bool)
-    for _ in range(PARTS):
-        if not open_.any():
-            break
-        centre = int(np.argmax(np.where(open_, rate, -1.0)))
-        _, near = tree.query(positions[centre], k=min(PART, n))
-        near = np.sort(near)
-        open_[near] = False
-        number = np.full(n + 1, -1, dtype=np.int64)
-        number[near] = np.arange(len(near))
-        inside = (number[found.first] >= 0) & ((found.second < 0) | (number[found.second] >= 0))
-        part = _chosen(found, inside)
-        part = part._replace(
-            first=number[part.first], second=np.where(part.second < 0, RIGID, number[part.second])
-        )
-        matrix = stiffness_matrix(build_network(positions[near], part))
-        frequency = max(frequency, largest_frequency(matrix, inertias[near], held[near]))
-    return MARGIN * frequency

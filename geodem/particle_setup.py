@@ -200,3 +200,7 @@ def start_half_a_step_back(s: ParticleSimulation) -> None:
         s.sums[0, motion.FORCING] -= float((arrays.applied * back).sum())
         drag = s.local_damping * np.abs(s.force) * np.sign(before)
         s.sums[0, motion.DAMPING] -= 0.5 * float((drag * back).sum())
+        # and of the first forces on held freedoms only the half after them
+        reaction = s.force - arrays.applied
+        reaction[:, :d] -= weight
+        s.sums[0, motion.DRIVEN] += 0.5 * float((s.time_step * velocity * reaction)[~free].sum())

@@ -8,8 +8,9 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from pathlib import Path
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +20,20 @@ from .assembly import Assembly
 from .boundaries.wall_pairs import WallPairs, check_servo_contact, find_wall_pairs
 from .boundaries.wall_table import wall_table
 from .errors import InputError
+from .io.particle_checkpoint import read_particles, write_particles
 from .kernels.particle_kernel import Features, compile_particle_kernel
-from .neighbors import PairList, find_halo, max_displacement, rebuild, spatial_order
-from .particle_layout import Columns, anchor_table, chunk_size, first_order, first_rows, row_arrays
+from .neighbors import find_halo, max_displacement, rebuild, spatial_order
+from .particle_layout import (
+    NOTHING_AROUND,
+    Columns,
+    Sleep,
+    anchor_table,
+    chunk_size,
+    chunks_around,
+    first_order,
+    first_rows,
+    row_arrays,
+)
 from .particle_network import critical_time_step
 from .particle_reading import BrokenBonds, Contacts, ParticleReading
 from .particle_setup import (
@@ -34,6 +46,7 @@ from .particle_setup import (
     scene_features,
     start_half_a_step_back,
 )
+from .particle_state import restore, state_tree
 
 __all__ = ["BrokenBonds", "Contacts", "ParticleSimulation", "Sleep", "UnstableError"]
 
@@ -51,17 +64,6 @@ DISORDER = 0.15
 
 class UnstableError(RuntimeError):
     """A number is no longer finite: a step too long, or forces beyond what float64 can carry."""
-
-
-class Sleep(NamedTuple):
-    """When parts at rest are skipped.
-
-    Chunks of particles (neighbours in space) slower than `speed` for `steps` steps, they and all chunks they touch, are
-    taken to stand still and cost nothing until something near them moves faster.
-    """
-
-    speed: float  # [m/s]
-    steps: int = 100
 
 
 class ParticleSimulation(ParticleReading):
@@ -133,8 +135,7 @@ class ParticleSimulation(ParticleReading):
         self.anchors = anchor_table(assembly)
         self.walls = wall_table(assembly.walls, self.dimension)
         self.steps = 0
-        self.time = 0.0
-        self.stages = [(0, 0.0, True)]
+        self.stages = [(0, 0.0, 0.0)]
         bonds = len(assembly.bonds)
         self.record = np.zeros((max(bonds, 1), 3 + self.dimension))
         self.utilisation = np.zeros((max(bonds, 1), 2))
@@ -145,7 +146,12 @@ class ParticleSimulation(ParticleReading):
         self.force = np.zeros((n, assembly.held.shape[1]))
         self.asleep = np.zeros(chunks, dtype=np.uint8)
         self.quiet = np.zeros(chunks, dtype=np.int64)
+        self.started = False
+        self.initial_energy = 0.0
+        self._ready()
         self.pairs = first_pairs(self)
+        self.sorted_share = -1.0
+        self.around = NOTHING_AROUND
         self.wall_pairs = WallPairs.empty(n, chunk=self.chunk, history_width=self.layout.width)
         self._searched()
         self.searches = 1
@@ -153,8 +159,47 @@ class ParticleSimulation(ParticleReading):
         self.critical_time_step = critical_time_step(self, local_damping=local_damping)
         self.time_step = choose_time_step(self.critical_time_step, time_step)
         choose_servo_gains(self)
+
+    def _ready(self) -> None:
+        """What a simulation needs beside its state."""
+        # rows are not sorted anew while others hold arrays by row
+        self.order_kept = False
+        self._old_row_of_new: NDArray[np.int64] | None = None
         self._kernels: dict[Features, ModuleType] = {}
         self._pilot = ThreadPilot()
+
+    # ------------------------------------------------------------------ checkpoints
+
+    def save(self, path: Path | str) -> None:
+        """Write a checkpoint, whole or not at all, from which `resume` goes on with the same bits.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written (the old one is untouched), or a search for equilibrium is under way.
+        """
+        write_particles(path, self.assembly, state_tree(self))
+
+    @classmethod
+    def resume(cls, path: Path | str, *, other_version: bool = False) -> ParticleSimulation:
+        """The simulation of a checkpoint, as it was, on any number of threads; nothing in the file is executed.
+
+        Parameters
+        ----------
+        other_version : bool
+            Take a checkpoint of other sources of geodem or versions of its libraries too: the motion goes on, but
+            its last bits may differ.
+
+        Raises
+        ------
+        InputError
+            No such file, cut off, changed, no checkpoint of discs or spheres, or of another version.
+        """
+        assembly, tree = read_particles(path, other_version=other_version)
+        self = cls.__new__(cls)
+        restore(self, assembly, tree, str(path))
+        self._ready()
+        return self
 
     # ------------------------------------------------------------------ neighbours
 
@@ -166,18 +211,16 @@ class ParticleSimulation(ParticleReading):
                 old=self.wall_pairs, old_row_of_new=self._old_row_of_new,
             )  # fmt: skip
         self._old_row_of_new = None
-        self.halo = find_halo(self.pairs)
-        self.halo_force = np.zeros((len(self.halo.source), self.force.shape[1]))
+        self.listed()
         self.reference = self.now[:, self.columns.position].copy()
         self.moved = 0.0
         self.carried = 0.0
-        if self.sleep is not None:
-            self._around = _chunks_around(self.pairs)
 
-    _old_row_of_new: NDArray[np.int64] | None = None
-    _sorted_share: float = -1.0
-    order_kept: bool = False
-    """Rows are not sorted anew while others hold arrays by row."""
+    def listed(self) -> None:
+        """What follows from the list of pairs alone: the halos of the chunks, the chunks around each one."""
+        self.halo = find_halo(self.pairs)
+        self.halo_force = np.zeros((len(self.halo.source), self.force.shape[1]))
+        self.around = NOTHING_AROUND if self.sleep is None else chunks_around(self.pairs)
 
     def wake_all(self) -> None:
         """Wake every sleeping part; to be called when something from outside has changed."""
@@ -189,8 +232,8 @@ class ParticleSimulation(ParticleReading):
         if sort is None:
             sort = (
                 not self.order_kept
-                and self._sorted_share >= 0.0
-                and self._share_across() > DISORDER + self._sorted_share
+                and self.sorted_share >= 0.0
+                and self._share_across() > DISORDER + self.sorted_share
             )
         new_of_old = None
         if sort:
@@ -213,8 +256,8 @@ class ParticleSimulation(ParticleReading):
             buffer=self.buffer, dimension=self.dimension, history_width=self.layout.width,
         )  # fmt: skip
         self._searched()
-        if sort or self._sorted_share < 0.0:
-            self._sorted_share = self._share_across()
+        if sort or self.sorted_share < 0.0:
+            self.sorted_share = self._share_across()
         self.searches += 1
         choose_servo_gains(self)
 
@@ -265,7 +308,6 @@ class ParticleSimulation(ParticleReading):
                 self.arrays.inverse_inertia, self.global_damping, 0.0, _NOTHING,
             )  # fmt: skip
             left -= done
-            self.time += done * self.time_step
             if progress is not None:
                 progress(steps - left)
 
@@ -279,13 +321,11 @@ class ParticleSimulation(ParticleReading):
         self.started = True
         start_half_a_step_back(self)
 
-    started: bool = False
-    initial_energy = 0.0
-
     def begin_stage(self, *, moving: bool) -> None:
-        """Note that from now on steps are true motion, or those of a search for equilibrium."""
-        if self.stages[-1][2] != moving:
-            self.stages.append((self.steps, self.time, moving))
+        """Note that from now on steps are true motion, or those of a search for equilibrium: time stands still."""
+        length = self.time_step if moving else 0.0
+        if self.stages[-1][2] != length:
+            self.stages.append((self.steps, self.time, length))
 
     def batch(
         self,
@@ -304,21 +344,17 @@ class ParticleSimulation(ParticleReading):
             self._look()
         known = len(kernel.advance.signatures)
         threads, most = self._pilot.choose() if self.parallel else (1, steps)
-        steps = min(steps, most)
-        start = time.perf_counter()
-        done, moved, carried, damping = kernel.advance(
-            threads,
-            *self._arguments(
-                steps,
-                time_step,
-                breaking,
-                inverse_mass,
-                inverse_inertia,
-                global_damping,
-                damping_ratio,
-                old_force,
-            )
+        given = (
+            min(steps, most),
+            time_step,
+            breaking,
+            inverse_mass,
+            inverse_inertia,
+            global_damping,
+            damping_ratio,
         )
+        start = time.perf_counter()
+        done, moved, carried, damping = kernel.advance(threads, *self._arguments(*given, old_force))
         seconds = time.perf_counter() - start
         if len(kernel.advance.signatures) > known:
             add_compile_seconds(seconds)
@@ -345,7 +381,7 @@ class ParticleSimulation(ParticleReading):
     ) -> tuple[Any, ...]:
         """Arguments of `geodem.kernels.steps.advance` after the first."""
         p, h, w, t, rows = self.pairs, self.halo, self.wall_pairs, self.walls, self.arrays
-        around, neighbour = self._around
+        around, neighbour = self.around
         sleep = self.sleep or Sleep(0.0, 0)
         return (
             steps, self.rows, self.phase, self.chunk, p.start, p.a, p.b,
@@ -359,8 +395,6 @@ class ParticleSimulation(ParticleReading):
             float(self.buffer - self.moved - self.carried), self.asleep, self.quiet, around, neighbour,
             float(sleep.speed), sleep.steps,
         )  # fmt: skip
-
-    _around: tuple[NDArray[np.int64], NDArray[np.int64]] = (np.zeros(1, np.int64), np.zeros(1, np.int64))
 
     def _unstable(self) -> UnstableError:
         lost = np.flatnonzero(~np.isfinite(self.now).all(axis=1))
@@ -376,17 +410,3 @@ _NOTHING = np.zeros((1, 6))
 
 NO_TIME = 1e-200
 """A step in which nothing moves, yet velocities can be told from increments [s]."""
-
-
-def _chunks_around(pairs: PairList) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Chunks that share pairs with each chunk, as compressed rows."""
-    first, second = pairs.a.astype(np.int64) // pairs.chunk, pairs.b.astype(np.int64) // pairs.chunk
-    across = first != second
-    chunks = len(pairs.start) - 1
-    key = np.unique(
-        np.concatenate([first[across] * chunks + second[across], second[across] * chunks + first[across]])
-    )
-    start = np.zeros(chunks + 1, dtype=np.int64)
-    np.cumsum(np.bincount(key // chunks, minlength=chunks), out=start[1:])
-    neighbour = key % chunks
-    return start, neighbour if len(neighbour) else np.zeros(1, np.int64)

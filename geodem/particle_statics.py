@@ -1,6 +1,7 @@
 """Equilibrium of discs or spheres without time: what is linear is solved, the rest is relaxed with scaled masses.
 
-1. The elastic state: one sparse solve on the bonds that are intact and the contacts that touch.
+1. The elastic state: sparse solves on the bonds that are intact and the contacts that touch. Each one leaves out what
+   the turning of the links changes, which is the load of the next; three to five of them are enough at small strains.
 2. Adaptive viscous relaxation (`geodem.integrators.relaxation`): every particle has the inertia of its own
    stiffness, so that one step serves all; the damping follows the lowest frequency in motion. Bonds do not break on the
    way, so nothing breaks that the swing towards equilibrium, and no static load, would break.
@@ -20,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import InputError
-from .integrators.elastic_network import solve_network
+from .integrators.elastic_network import NetworkSolver
 from .integrators.mass_scaling import scaled_inertia
 from .integrators.network import RIGID, Links, build_network
 from .particle_network import current_links, current_springs, touching_links
@@ -40,6 +41,29 @@ SHARE = 0.95
 INERTIA_MARGIN = 1.1
 """Slip lowers the stiffness of the links, new contacts and turning normals may raise it a little."""
 
+MOST_SOLVES = 12
+
+RESIDUAL = 1e-2
+"""Each solve leaves this share of its load at most: what the turning of the links leaves is more."""
+
+STALE = 0.25
+"""Solves go on with the stiffness of an earlier state until the unbalanced ratio falls by less than to this share."""
+
+FIRST_FALL = 4
+"""Looks at the balance before the first look for parts that fall freely; twice as many before each further one."""
+
+MOST_PARTS = 100
+"""Loose parts that are looked at: one that falls is enough to know that there is no equilibrium."""
+
+SETTLED = 1e-4
+"""The last solve moves nothing farther than this share of the way gone: small forces may yet bend a large body."""
+
+FINE_STRAIN = 1e-3
+"""Share of a distance between centres that links stretch or slip by in one step of the way to where a solve leads."""
+
+LONGEST_STRAIN = 0.2
+"""A solve goes this share of a distance between centres at most: beyond, normals turn too far for it to be right."""
+
 
 @dataclass(frozen=True)
 class Equilibrium:
@@ -57,9 +81,11 @@ class Equilibrium:
         Equilibria on the way, one more than the times that bonds broke.
     broken : (k,) int64
         Bonds that broke, in order of their rounds.
-    solved : bool
-        Whether the elastic state was solved first.
+    solves : int
+        Solves of the elastic state before them.
     seconds : float
+    reason : str
+        Why it was not reached; empty where it was.
     """
 
     reached: bool
@@ -67,8 +93,9 @@ class Equilibrium:
     steps: int
     rounds: int
     broken: NDArray[np.int64]
-    solved: bool
+    solves: int
     seconds: float
+    reason: str = ""
 
 
 def find_equilibrium(
@@ -106,21 +133,21 @@ def find_equilibrium(
     start = time.perf_counter()
     search = _Search(simulation)
     with search.standing_still():
-        solved = solve and search.jump_to_elastic_state()
+        solves = search.solve_elastic_state(tolerance) if solve else 0
         broken: list[NDArray[np.int64]] = []
         rounds = 1
-        reached = search.relax(tolerance, most_steps, progress)
-        while reached and breaking:
+        reason = search.relax(tolerance, most_steps, progress)
+        while not reason and breaking:
             new = search.break_bonds(share)
             if not len(new):
                 break
             broken.append(new)
             rounds += 1
-            reached = search.relax(tolerance, most_steps, progress)
+            reason = search.relax(tolerance, most_steps, progress)
         ratio = simulation.unbalanced_ratio()
     return Equilibrium(
-        reached, ratio, search.steps, rounds, np.concatenate([np.empty(0, np.int64), *broken]), solved,
-        time.perf_counter() - start,
+        not reason, ratio, search.steps, rounds, np.concatenate([np.empty(0, np.int64), *broken]), solves,
+        time.perf_counter() - start, reason,
     )  # fmt: skip
 
 
@@ -154,37 +181,74 @@ class _Search:
         self.inverse = (1.0 / (INERTIA_MARGIN * mass), 1.0 / (INERTIA_MARGIN * inertia))
         self.searches = s.searches
 
-    def _step(self, steps: int, breaking: float, inverse: tuple[Floats, Floats]) -> int:
+    def _step(
+        self, steps: int, breaking: float, inverse: tuple[Floats, Floats], ratio: float = DAMPING_RATIO
+    ) -> int:
+        damping = self.damping if ratio > 0.0 else 0.0
         done, self.damping = self.simulation.batch(
-            self.kernel, steps, 1.0, breaking, *inverse, self.damping, DAMPING_RATIO, self.old_force
+            self.kernel, steps, 1.0, breaking, *inverse, damping, ratio, self.old_force
         )
         return done
 
-    def jump_to_elastic_state(self) -> bool:
-        """Solve for the elastic state and go there in one step; False where the links alone hold nothing."""
+    def solve_elastic_state(self, tolerance: float) -> int:
+        """Go to the elastic state, solve by solve; returns their number, 0 where the links alone hold nothing."""
+        s = self.simulation
+        if s.assembly.bond_law is None:
+            return 0
+        # a servo's wall answers to every step: it is left to the relaxation
+        most = 1 if any(wall.servo is not None for wall in s.assembly.walls) else MOST_SOLVES
+        solver, age, last, way, farthest = None, 0, math.inf, 0.0, math.inf
+        solves = 0
+        while True:
+            # one step without inertia's answer: the resultants of where everything is now
+            self._step(1, math.inf, (self.still, self.still))
+            ratio = s.unbalanced_ratio()
+            if solves == most or (ratio < tolerance and farthest <= SETTLED * way):
+                break
+            if solver is not None and not ratio <= STALE * last:
+                if age == 1:
+                    break
+                solver = None
+            try:
+                if solver is None:
+                    solver, age = self._solver(), 0
+                load = s.force.copy()
+                load[solver.held] = 0.0
+                if solves == 0:
+                    solver.refuse_floating(load)
+                motion = solver.solve(load, residual=RESIDUAL)
+            except InputError:
+                break
+            farthest = self._go(motion, solver)
+            solves, age, last, way = solves + 1, age + 1, ratio, way + farthest
+        self._stop()
+        return solves
+
+    def _solver(self) -> NetworkSolver:
         s = self.simulation
         links = touching_links(s)
-        if s.assembly.bond_law is None or not len(links.first):
-            return False
-        # one step without inertia's answer: the resultants of where everything is now
-        self._step(1, math.inf, (self.still, self.still))
         positions = np.ascontiguousarray(s.now[:, s.columns.position])
         network = build_network(positions, links, current_springs(s))
-        held = self._held() | self._loose(links)
-        load = s.force.copy()
-        load[held] = 0.0
-        try:
-            motion = solve_network(network, load, held=held)
-        except InputError:
-            return False
-        # a step with these velocities moves everything there and lets the laws add up their springs
-        velocity, spin = s.columns.velocity, s.columns.spin
+        return NetworkSolver(network, held=self._held() | self._loose(links))
+
+    def _go(self, motion: Floats, solver: NetworkSolver) -> float:
+        """Move by a solution, or a part of it where it is long; the farthest that any particle goes [m]."""
+        s, links = self.simulation, solver.network.links
+        inner = links.second != RIGID
+        moved = motion[:, : s.dimension]
+        apart = moved[links.first]
+        apart[inner] -= moved[links.second[inner]]
+        strain = np.sqrt((apart**2).sum(axis=1)) / links.arms.sum(axis=1)
+        motion = motion * min(1.0, LONGEST_STRAIN / max(float(strain.max(initial=0.0)), 1e-300))
+        # steps with these velocities move everything there and let the laws add up their springs
+        steps = max(1, math.ceil(min(float(strain.max(initial=0.0)), LONGEST_STRAIN) / FINE_STRAIN))
         now = s.rows[s.phase]
-        now[:, velocity] = motion[:, : s.dimension]
-        now[:, spin] = motion[:, s.dimension :]
-        self._step(1, math.inf, (self.still, self.still))
+        now[:, s.columns.velocity] = motion[:, : s.dimension] / steps
+        now[:, s.columns.spin] = motion[:, s.dimension :] / steps
+        while steps > 0:
+            steps -= self._step(steps, math.inf, (self.still, self.still), 0.0)
         self._stop()
-        return True
+        return float(np.sqrt((motion[:, : s.dimension] ** 2).sum(axis=1)).max(initial=0.0))
 
     def _loose(self, links: Links) -> NDArray[np.bool_]:
         """Freedoms of particles without any link: they are left to the relaxation."""
@@ -202,10 +266,13 @@ class _Search:
             rows[:, s.columns.velocity] = 0.0
             rows[:, s.columns.spin] = 0.0
 
-    def relax(self, tolerance: float, most_steps: int, progress: Callable[[int, float], None] | None) -> bool:
-        """Relax until balanced; False where the steps run out."""
+    def relax(self, tolerance: float, most_steps: int, progress: Callable[[int, float], None] | None) -> str:
+        """Relax until balanced; returns why it ended before, or nothing."""
         s = self.simulation
         self.damping = 0.0
+        if self.balanced(tolerance):
+            return ""
+        looks, look_for_fall = 0, FIRST_FALL
         while self.steps < most_steps:
             if self.searches != s.searches:
                 self._scale_inertia()
@@ -225,8 +292,22 @@ class _Search:
                 progress(self.steps, ratio)
             if ratio < tolerance:
                 self._stop()
-                return True
-        return False
+                return ""
+            looks += 1
+            if looks == look_for_fall:
+                look_for_fall *= 2
+                falling = falling_freely(s)
+                if len(falling):
+                    word = "particle falls" if len(falling) == 1 else "particles fall"
+                    return f"{len(falling)} {word} freely, the first is {falling.min()}"
+        return f"not balanced after {self.steps} steps"
+
+    def balanced(self, tolerance: float) -> bool:
+        """Whether everything is in balance as it stands, so that there is nothing to relax."""
+        s = self.simulation
+        self._stop()
+        self._step(1, math.inf, (self.still, self.still))
+        return s.unbalanced_ratio() < tolerance
 
     def break_bonds(self, share: float) -> NDArray[np.int64]:
         """Break the most overstressed bonds in the present equilibrium; their numbers."""
@@ -241,6 +322,54 @@ class _Search:
         self._stop()
         self._step(1, limit, (self.still, self.still))
         return np.flatnonzero(intact & ~s.intact())
+
+
+def falling_freely(simulation: ParticleSimulation) -> NDArray[np.int64]:
+    """Particles of parts that nothing holds, with nothing in the way of their fall.
+
+    Parts are what bonds and touching contacts join. A part is held where a particle of it is held or anchored, or
+    touches a wall; its fall is along the sum of its loads, and in its way is whatever that is held lies ahead of it
+    within its width. Bounded walls count as in the way wherever they are.
+    """
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    s = simulation
+    n, d = s.assembly.particles, s.dimension
+    ids = s.arrays.ids
+    links = touching_links(s)
+    inner = links.second != RIGID
+    ends = (links.first[inner], links.second[inner])
+    parts, part = connected_components(
+        coo_matrix((np.ones(len(ends[0])), ends), shape=(n, n)), directed=False
+    )
+    held = np.array(s.assembly.held[ids][:, :d].any(axis=1))
+    held[links.first[~inner]] = True
+    if s.assembly.anchors is not None:
+        held |= np.isin(ids, s.assembly.anchors.particle)
+    supported = np.bincount(part, held, parts) > 0
+    if supported.all() or len(s.walls.kind) > np.count_nonzero(s.walls.kind == 0):
+        return np.empty(0, dtype=np.int64)
+    load = s.assembly.applied[ids, :d] + s.assembly.mass[ids, None] * s.assembly.gravity
+    positions, radius = s.now[:, s.columns.position], s.now[:, s.columns.radius]
+    planes = -s.walls.corners_now()[:, 1, :d] if len(s.walls.kind) else np.empty((0, d))
+    found = []
+    for number in np.flatnonzero(~supported)[:MOST_PARTS]:
+        own = part == number
+        pull = load[own].sum(axis=0)
+        size = float(np.sqrt(pull @ pull))
+        if size == 0.0 or (planes @ pull > 0.0).any():
+            continue
+        pull = pull / size
+        along = positions @ pull
+        aside = positions - along[:, None] * pull
+        low = (aside[own] - radius[own, None]).min(axis=0)
+        high = (aside[own] + radius[own, None]).max(axis=0)
+        ahead = ~own & (along > along[own].min())
+        meets = ((aside + radius[:, None] >= low) & (aside - radius[:, None] <= high)).all(axis=1)
+        if not (ahead & meets & supported[part]).any():
+            found.append(ids[own])
+    return np.concatenate([np.empty(0, dtype=np.int64), *found])
 
 
 class _Standstill:

@@ -12,6 +12,8 @@ from ._version import __version__
 TELLING = (
     "plotting",
     "templates",
+    "io/particle_frames.py",
+    "particle_recorder.py",
     "measure/failure.py",
     "measure/slip_surface.py",
     "cli.py",

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 
-from .benchmarks import limits, peers, slopes
+from .benchmarks import large, limits, peers, slopes, statics
 
 HELP = "measure run time, against error or against other programs, and store the rows under reference/results"
 
-BENCHMARKS = {"slopes": slopes, "peers": peers, "limits": limits}
+BENCHMARKS = {"slopes": slopes, "peers": peers, "limits": limits, "statics": statics, "large": large}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

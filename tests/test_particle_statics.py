@@ -10,6 +10,14 @@ import pytest
 from geodem.builders.assembly_builder import AssemblyBuilder
 from geodem.particle_simulation import ParticleSimulation
 from geodem.particle_statics import find_equilibrium
+from reference.benchmarks.statics import (
+    BORNE,
+    breakable,
+    by_damping,
+    by_search,
+    random_discs,
+    usual_step,
+)
 
 LINKS = 9
 WEIGHT = 2000.0 * math.pi * 0.05**2 * 9.81
@@ -42,10 +50,48 @@ def test_chain_hangs_as_long_as_its_weight_makes_it():
 
 def test_chain_breaks_at_its_top_and_nowhere_else():
     simulation = ParticleSimulation(chain(8.5 * WEIGHT))
-    found = find_equilibrium(simulation, tolerance=1e-8, most_steps=300)
-    # what fell off has no equilibrium
+    found = find_equilibrium(simulation, tolerance=1e-8)
+    # what fell off has no equilibrium, which is seen long before the steps run out
     assert not found.reached
+    assert found.reason == f"{LINKS} particles fall freely, the first is 0"
+    assert found.steps < 1000
     assert found.broken.tolist() == [LINKS - 1]
     broken = simulation.broken_bonds()
     assert broken.mode.tolist() == [1]
     assert broken.static.all()
+
+
+def test_a_part_that_falls_onto_what_is_held_is_followed():
+    """Two discs above a held one, the upper bond without strength to speak of: nothing falls away."""
+    builder = AssemblyBuilder(2, "linear_frictional", "two_springs", gravity=(0.0, -9.81))
+    stiff = {"normal_stiffness": STIFFNESS, "shear_stiffness": 5e7, "friction_coefficient": 0.5}
+    builder.add_material(
+        "m", density=2000.0, contact=stiff,
+        bond={**stiff, "tensile_strength": 1e9, "cohesion": 1e9, "width_ratio": 0.5},
+    )  # fmt: skip
+    builder.add_particles([(0.0, 0.0), (0.0, 0.1), (0.0, 0.2005), (0.0, 0.3005)], 0.05, "m")
+    builder.bond([(0, 1), (2, 3)])
+    builder.hold([0], x=0.0, y=0.0, rotation=0.0)
+    simulation = ParticleSimulation(builder.build())
+    found = find_equilibrium(simulation, tolerance=1e-6)
+    assert found.reached
+    assert found.reason == ""
+    # the contact carries two discs
+    overlap = 0.1 - float(np.diff(simulation.positions[1:3], axis=0)[0, 1])
+    assert overlap * STIFFNESS == pytest.approx(2.0 * WEIGHT, rel=1e-5)
+
+
+@pytest.mark.parametrize("solve", [True, False])
+def test_a_thousand_discs_rest_where_slow_damped_motion_ends(solve):
+    """Bonds of the strength that the loads at rest ask for, and a tenth more: both ways break none."""
+    assembly = random_discs(1000, 2.0)
+    slow = by_damping(assembly, usual_step(assembly), 1e-9)
+    assert slow.reached
+    # half a per cent of the largest displacement is what the usual tolerance leaves; this one is converged
+    largest = np.abs(slow.displacements).max()
+    strong = random_discs(1000, 2.0, strength=1.1 * BORNE * breakable(assembly))
+    quick = by_search(strong, 1e-7 if solve else 1e-8, solve=solve)
+    assert quick.reached
+    assert quick.broken == 0
+    assert np.abs(quick.displacements - slow.displacements).max() < 1e-4 * largest
+    assert quick.steps < slow.steps / (100 if solve else 5)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from types import ModuleType
 
 import numpy as np
@@ -174,6 +175,7 @@ def contact_sum(table: WallTable, pairs: WallPairs, values: Floats) -> Floats:
     return np.bincount(owner, weights=values * pairs.touching, minlength=len(table.bodies)).astype(np.float64)
 
 
+@cache
 def _kernel(dimension: int, walls_turn: bool) -> ModuleType:
     constants = {
         **WALL_CONSTANTS,

@@ -15,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from scipy.sparse import csr_matrix
 
 Floats = NDArray[np.float64]
@@ -24,6 +26,12 @@ FREQUENCY_ACCURACY = 1e-3
 
 SMALL = 64
 """Freedoms up to which all frequencies are found at once."""
+
+LARGE_ACCURACY = 5e-3
+"""The same for networks without a matrix, whose highest frequencies lie close together."""
+
+MOST_PRODUCTS = 80
+"""Lanczos steps of these; what is left of the residual is added all the same."""
 
 
 def _mass_scaled(matrix: csr_matrix, mass: Floats, held: NDArray[np.bool_] | None) -> csr_matrix:
@@ -86,6 +94,49 @@ def largest_frequency(
     # one eigenvalue lies within the residual of the one found
     residual = float(np.linalg.norm(scaled @ vector - value * vector))
     return math.sqrt(min(bound, value + residual))
+
+
+def largest_frequency_of_products(
+    product: Callable[[Floats], Floats], mass: Floats, held: NDArray[np.bool_]
+) -> float:
+    """The largest angular frequency [rad/s], or a little more, of a network whose matrix is too large to make.
+
+    Parameters
+    ----------
+    product : function
+        K u (n, d + s) of u (n, d + s).
+    mass : (n, d + s) [kg, kg m2]
+    held : (n, d + s) bool
+    """
+    from scipy.linalg import eigh_tridiagonal
+
+    root = np.where(held, 0.0, 1.0 / np.sqrt(mass))
+    vector = np.random.default_rng(20).uniform(-1.0, 1.0, mass.shape)
+    vector[held] = 0.0
+    size = math.sqrt(float((vector * vector).sum()))
+    if size == 0.0:
+        return 0.0
+    vector /= size
+    before, beside = np.zeros_like(vector), 0.0
+    diagonal: list[float] = []
+    next_to_it: list[float] = []
+    value = residual = 0.0
+    for count in range(1, MOST_PRODUCTS + 1):
+        # Lanczos without keeping the vectors: copies of a frequency that has been found do no harm
+        image = root * product(root * vector)
+        diagonal.append(float((image * vector).sum()))
+        image -= diagonal[-1] * vector
+        image -= beside * before
+        beside = math.sqrt(float((image * image).sum()))
+        if count % 10 == 0 or count == MOST_PRODUCTS or beside <= 1e-12 * abs(diagonal[0]):
+            values, vectors = eigh_tridiagonal(np.array(diagonal), np.array(next_to_it))
+            value = float(values[-1])
+            residual = beside * abs(float(vectors[-1, -1]))
+            if residual <= LARGE_ACCURACY * value or beside <= 1e-12 * abs(diagonal[0]):
+                break
+        next_to_it.append(beside)
+        before, vector = vector, image / beside
+    return math.sqrt(max(value + residual, 0.0))
 
 
 def critical_step(frequency: float, *, viscous: float = 0.0, local: float = 0.0) -> float:

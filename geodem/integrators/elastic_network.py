@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from scipy.sparse import csr_matrix
+    from scipy.sparse.linalg import LinearOperator
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -56,6 +57,102 @@ NAMED = 5
 """Particles that an error names."""
 
 
+class NetworkSolver:
+    """A network made ready to be solved for one load after the other.
+
+    Parameters
+    ----------
+    network : Network
+    held : (n, d + s) bool
+        Freedoms that do not follow from equilibrium.
+    matrix : sparse, optional
+        `stiffness_matrix(network)`, where the caller has it.
+    """
+
+    def __init__(
+        self, network: Network, *, held: NDArray[np.bool_], matrix: csr_matrix | None = None
+    ) -> None:
+        self.network = network
+        self.held = held
+        self.matrix = stiffness_matrix(network) if matrix is None else matrix
+        # rotations times a length: forces and torques, stiffness against both become comparable
+        size = float(network.links.arms.mean()) if len(network.links.first) else 1.0
+        self._unit = np.ones(held.shape)
+        self._unit[:, network.dimension :] = 1.0 / size
+        flat = self._unit.ravel()
+        diagonal = self.matrix.diagonal() * flat**2
+        self._free = ~held.ravel()
+        self._loose = self._free & (diagonal <= 1e-14 * diagonal.max(initial=0.0))
+        self._solved = np.flatnonzero(self._free & ~self._loose)
+        self._reduced = _scaled(self.matrix, flat, self._solved)
+        self._levels: LinearOperator | None = None
+        self._factors: LinearOperator | None = None
+
+    def refuse_floating(self, load: Floats) -> None:
+        """Raise InputError where a part that nothing holds is pushed by its loads (n, d + s) [N, N m]."""
+        floats = _loaded_floating(self.network, load * self._unit, self.held, self._unit)
+        if floats.any():
+            raise _no_equilibrium(np.flatnonzero(floats))
+
+    def solve(
+        self,
+        load: Floats,
+        *,
+        prescribed: Floats | None = None,
+        imposed: Floats | None = None,
+        residual: float = RESIDUAL,
+    ) -> Floats:
+        """Displacements and rotations (n, d + s) [m, rad]; parameters and errors as of `solve_network`.
+
+        `residual` above `RESIDUAL` asks for less: norm of the unbalanced forces over that of the loads.
+        """
+        displacement = np.zeros(load.size)
+        flat, free, solved = self._unit.ravel(), self._free, self._solved
+        force = load.ravel().copy()
+        if prescribed is not None:
+            displacement[~free] = prescribed.ravel()[~free]
+            force -= self.matrix @ displacement
+        if imposed is not None:
+            force -= self.network.operator.T @ (self.network.stiffness * imposed)
+        force *= flat
+        scale = np.abs(force[free]).max(initial=0.0)
+        pushed = self._loose & (np.abs(force) > UNBALANCED_LIMIT * scale)
+        if pushed.any():
+            raise _no_equilibrium(np.unique(np.flatnonzero(pushed) // self.network.freedoms))
+        if scale == 0.0 or len(solved) == 0:
+            return displacement.reshape(load.shape)
+        solution = self._iterate(force[solved], residual)
+        unbalanced = np.abs(force[solved] - self._reduced @ solution).max()
+        if not unbalanced <= max(UNBALANCED_LIMIT, 10.0 * residual) * scale:
+            moved = np.zeros(load.size)
+            moved[solved] = np.abs(np.nan_to_num(solution))
+            furthest = moved.reshape(load.shape).max(axis=1)
+            raise _no_equilibrium(np.flatnonzero(furthest >= 0.1 * furthest.max()))
+        displacement[solved] = solution * flat[solved]
+        return displacement.reshape(load.shape)
+
+    def _iterate(self, force: Floats, residual: float) -> Floats:
+        from scipy.sparse.linalg import LinearOperator, cg
+        from threadpoolctl import threadpool_limits
+
+        reduced = self._reduced
+        # BLAS threads change the order of sums, and with it the bits; a motion without resistance may overflow
+        with threadpool_limits(1), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            status, solution = 1, force
+            if len(force) > DIRECT_LIMIT:
+                if self._levels is None:
+                    levels = _two_levels(self.network, reduced, self._unit.ravel(), self._solved)
+                    self._levels = LinearOperator(reduced.shape, levels)
+                solution, status = cg(reduced, force, rtol=residual, maxiter=ITERATIONS, M=self._levels)
+            if status != 0 and len(force) <= SECOND_TRY_LIMIT:
+                if self._factors is None:
+                    self._factors = LinearOperator(reduced.shape, _factors(reduced))
+                solution, _ = cg(
+                    reduced, force, rtol=residual, maxiter=FACTORISED_ITERATIONS, M=self._factors
+                )
+        return np.asarray(solution)
+
+
 def solve_network(
     network: Network,
     load: Floats,
@@ -86,44 +183,9 @@ def solve_network(
     InputError
         There is no equilibrium: particles can move without resistance where a load pushes them.
     """
-    matrix = stiffness_matrix(network) if matrix is None else matrix
-    # rotations times a length: forces and torques, stiffness against both become comparable
-    size = float(network.links.arms.mean()) if len(network.links.first) else 1.0
-    unit = np.ones(load.shape)
-    unit[:, network.dimension :] = 1.0 / size
-    unit_flat = unit.ravel()
-    floats = _loaded_floating(network, load * unit, held, unit)
-    if floats.any():
-        raise _no_equilibrium(np.flatnonzero(floats))
-
-    displacement = np.zeros(load.size)
-    free = ~held.ravel()
-    force = load.ravel().copy()
-    if prescribed is not None:
-        displacement[~free] = prescribed.ravel()[~free]
-        force -= matrix @ displacement
-    if imposed is not None:
-        force -= network.operator.T @ (network.stiffness * imposed)
-    force *= unit_flat
-    diagonal = matrix.diagonal() * unit_flat**2
-    loose = free & (diagonal <= 1e-14 * diagonal.max(initial=0.0))
-    scale = np.abs(force[free]).max(initial=0.0)
-    pushed = loose & (np.abs(force) > UNBALANCED_LIMIT * scale)
-    if pushed.any():
-        raise _no_equilibrium(np.unique(np.flatnonzero(pushed) // network.freedoms))
-    solved = np.flatnonzero(free & ~loose)
-    if scale == 0.0 or len(solved) == 0:
-        return displacement.reshape(load.shape)
-    reduced = _scaled(matrix, unit_flat, solved)
-    solution = _solve(network, reduced, force[solved], unit_flat, solved)
-    unbalanced = np.abs(force[solved] - reduced @ solution).max()
-    if not unbalanced <= UNBALANCED_LIMIT * scale:
-        moved = np.zeros(load.size)
-        moved[solved] = np.abs(np.nan_to_num(solution))
-        furthest = moved.reshape(load.shape).max(axis=1)
-        raise _no_equilibrium(np.flatnonzero(furthest >= 0.1 * furthest.max()))
-    displacement[solved] = solution * unit_flat[solved]
-    return displacement.reshape(load.shape)
+    solver = NetworkSolver(network, held=held, matrix=matrix)
+    solver.refuse_floating(load)
+    return solver.solve(load, prescribed=prescribed, imposed=imposed)
 
 
 def _no_equilibrium(particles: Integers) -> InputError:
@@ -230,22 +292,6 @@ def _loaded_floating(
     loose = values <= 1e-10 * np.maximum(values[:, -1:], 1.0)
     moved = loose & (np.abs(work) > 1e-9 * pushed.sum(axis=1)[:, None])
     return np.asarray(moved.any(axis=1)[part])
-
-
-def _solve(network: Network, reduced: csr_matrix, force: Floats, unit: Floats, solved: Integers) -> Floats:
-    from scipy.sparse.linalg import LinearOperator, cg
-    from threadpoolctl import threadpool_limits
-
-    # BLAS threads change the order of sums, and with it the bits; a motion without resistance may overflow
-    with threadpool_limits(1), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        status, solution = 1, force
-        if len(force) > DIRECT_LIMIT:
-            levels = LinearOperator(reduced.shape, _two_levels(network, reduced, unit, solved))
-            solution, status = cg(reduced, force, rtol=RESIDUAL, maxiter=ITERATIONS, M=levels)
-        if status != 0 and len(force) <= SECOND_TRY_LIMIT:
-            factors = LinearOperator(reduced.shape, _factors(reduced))
-            solution, _ = cg(reduced, force, rtol=RESIDUAL, maxiter=FACTORISED_ITERATIONS, M=factors)
-    return np.asarray(solution)
 
 
 def _factors(matrix: csr_matrix) -> Callable[[Floats], Floats]:

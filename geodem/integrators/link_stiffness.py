@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
-from types import ModuleType
+import inspect
+import textwrap
+from functools import cache
+from types import FunctionType, ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..laws.protocol import argument_names, in_dimension
+from .._jit import compile_kernel
+from ..laws.protocol import argument_names, constants, in_dimension
 
 Floats = NDArray[np.float64]
+
+COMPILED_FROM = 50_000
+"""Links from which on the law is compiled into a loop: fewer are done before a compiler has looked at it."""
+
+SIZES = ("radius_a", "radius_b", "distance", "overlap")
 
 
 def law_stiffness(
@@ -34,10 +43,44 @@ def law_stiffness(
         In the order of ``law.PARAMETERS``.
     radius_a, radius_b, distance, overlap : (p,) [m]
     """
-    columns = dict(zip(law.PARAMETERS._fields, np.asarray(parameters, dtype=float).T, strict=True))
-    columns |= {"radius_a": radius_a, "radius_b": radius_b, "distance": distance, "overlap": overlap}
+    parameters = np.asarray(parameters, dtype=np.float64)
+    sizes = [np.asarray(values, dtype=np.float64) for values in (radius_a, radius_b, distance, overlap)]
+    if len(parameters) >= COMPILED_FROM:
+        found = np.empty((len(parameters), 4))
+        _kernel(law, dimension).of_links(
+            np.ascontiguousarray(parameters), *(np.ascontiguousarray(values) for values in sizes), found
+        )
+        return found
+    columns = dict(zip(law.PARAMETERS._fields, parameters.T, strict=True))
+    columns |= dict(zip(SIZES, sizes, strict=True))
     wanted = [columns[name].tolist() for name in argument_names(law.stiffness)]
     function = in_dimension(law.stiffness, dimension)
-    # the plain function, called p times: about 1 s for a million links, once per scene
     rows = [function(*values) for values in zip(*wanted, strict=True)]
-    return np.array(rows, dtype=float).reshape(len(overlap), 4)
+    return np.array(rows, dtype=float).reshape(len(parameters), 4)
+
+
+@cache
+def _kernel(law: ModuleType, dimension: int) -> ModuleType:
+    """The law's function and a loop over links that feeds it."""
+    asked = [
+        f"{name}[i]" if name in SIZES else f"parameters[i, {law.PARAMETERS._fields.index(name)}]"
+        for name in argument_names(law.stiffness)
+    ]
+    loop = f"""\
+@njit(cache=True, error_model='numpy')
+def of_links(parameters, {", ".join(SIZES)}, found):
+    for i in range(len(found)):
+        found[i, 0], found[i, 1], found[i, 2], found[i, 3] = stiffness({", ".join(asked)})
+"""
+    texts = [*_with_called(law, "stiffness", {}).values(), loop]
+    return compile_kernel([], constants(law, dimension), parallel=False, texts=texts)
+
+
+def _with_called(law: ModuleType, name: str, found: dict[str, str]) -> dict[str, str]:
+    """Sources of a law's function and of those of its module that it calls, callees first."""
+    function = getattr(law, name, None)
+    if name not in found and isinstance(function, FunctionType) and function.__module__ == law.__name__:
+        for called in function.__code__.co_names:
+            _with_called(law, called, found)
+        found[name] = textwrap.dedent(inspect.getsource(function)).rstrip()
+    return found

@@ -107,19 +107,22 @@ def links(
     k_twist: ArrayLike = 0.0,
     k_bend: ArrayLike = 0.0,
 ) -> Links:
-    """`Links` from arrays or, where all links are alike, single numbers; for shapes see `Links`."""
+    """`Links` from arrays or, where all links are alike, single numbers; for shapes see `Links`.
+
+    Arrays that fit are not copied.
+    """
     first = np.atleast_1d(np.asarray(first, dtype=np.int64))
     count = len(first)
     normal = np.asarray(normal, dtype=float)
 
     def each(value: ArrayLike) -> Floats:
-        return np.broadcast_to(np.asarray(value, dtype=float), (count,)).copy()
+        return np.ascontiguousarray(np.broadcast_to(np.asarray(value, dtype=float), (count,)))
 
     return Links(
         first,
-        np.broadcast_to(np.asarray(second, dtype=np.int64), (count,)).copy(),
-        np.broadcast_to(normal, (count, normal.shape[-1])).copy(),
-        np.broadcast_to(np.asarray(arms, dtype=float), (count, 2)).copy(),
+        np.ascontiguousarray(np.broadcast_to(np.asarray(second, dtype=np.int64), (count,))),
+        np.ascontiguousarray(np.broadcast_to(normal, (count, normal.shape[-1]))),
+        np.ascontiguousarray(np.broadcast_to(np.asarray(arms, dtype=float), (count, 2))),
         each(kn),
         each(ks),
         each(k_twist),
@@ -157,6 +160,8 @@ def pair_links(
 
 def joined(*parts: Links) -> Links:
     """All links of several `Links`, in order."""
+    if sum(len(part.first) > 0 for part in parts) == 1:
+        return next(part for part in parts if len(part.first))
     return Links(*(np.concatenate(fields) for fields in zip(*parts, strict=True)))
 
 

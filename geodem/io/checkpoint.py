@@ -7,21 +7,47 @@ import io
 import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..errors import InputError
 from .files import write_whole
 
-FORMAT = "geodem-checkpoint"
-FORMAT_VERSION = 1
+
+class CheckpointFormat(NamedTuple):
+    """What a checkpoint holds, and what to tell a user who gives another file."""
+
+    name: str
+    version: int
+    content: str
+    missing: str  # remedy where there is no file
+    again: str  # remedy where the file is of no use
+
+
+SEARCH = CheckpointFormat(
+    "geodem-checkpoint",
+    1,
+    "a search for a factor",
+    "Give the folder that 'geodem run' wrote to",
+    "Run the case again: geodem run CASE --out DIR --overwrite",
+)
+
+PARTICLES = CheckpointFormat(
+    "geodem-particles",
+    1,
+    "discs or spheres in motion",
+    "Give the file that ParticleSimulation.save wrote",
+    "Take an earlier checkpoint, or begin again from the assembly",
+)
+
+FORMATS = {form.name: form for form in (SEARCH, PARTICLES)}
 
 Tree = dict[str, Any]
 """Names to arrays, plain data (anything JSON can hold) or further trees."""
 
 
-def write_checkpoint(path: Path | str, tree: Mapping[str, Any]) -> None:
+def write_checkpoint(path: Path | str, tree: Mapping[str, Any], form: CheckpointFormat = SEARCH) -> None:
     """Write a checkpoint so that its name holds the old or the new one at any moment.
 
     Raises
@@ -34,14 +60,14 @@ def write_checkpoint(path: Path | str, tree: Mapping[str, Any]) -> None:
     buffer = io.BytesIO()
     with h5py.File(buffer, "w") as file:
         _write_group(file, tree)
-        file.attrs["format"] = FORMAT
-        file.attrs["format_version"] = FORMAT_VERSION
+        file.attrs["format"] = form.name
+        file.attrs["format_version"] = form.version
         file.attrs["checksum"] = checksum(tree)
-    write_whole(path, buffer.getvalue())
+    write_whole(path, buffer.getbuffer())
 
 
-def read_checkpoint(path: Path | str) -> Tree:
-    """Read a checkpoint; nothing in it is executed.
+def read_checkpoint(path: Path | str, form: CheckpointFormat = SEARCH) -> Tree:
+    """Read a checkpoint of this format; nothing in it is executed.
 
     Raises
     ------
@@ -52,26 +78,29 @@ def read_checkpoint(path: Path | str) -> Tree:
 
     path = Path(path)
     place = str(path)
-    again = "Run the case again: geodem run CASE --out DIR --overwrite"
     if not path.is_file():
-        raise InputError(place, "there is no checkpoint here", "Give the folder that 'geodem run' wrote to")
+        raise InputError(place, "there is no checkpoint here", form.missing)
     try:
         with h5py.File(path, "r") as file:
-            if file.attrs.get("format") != FORMAT:
-                raise InputError(place, "this is not a checkpoint of geodem", again)
+            found = str(file.attrs.get("format"))
+            if found != form.name:
+                problem = "this is not a checkpoint of geodem"
+                if found in FORMATS:
+                    problem = f"this is a checkpoint of {FORMATS[found].content}, not of {form.content}"
+                raise InputError(place, problem, form.missing)
             version = int(file.attrs["format_version"])
-            if version != FORMAT_VERSION:
-                problem = f"checkpoint format {version}, this geodem reads format {FORMAT_VERSION}"
-                raise InputError(place, problem, again)
+            if version != form.version:
+                problem = f"checkpoint format {version}, this geodem reads format {form.version}"
+                raise InputError(place, problem, form.again)
             stored = str(file.attrs["checksum"])
             tree = _read_group(file)
     except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(place, "the checkpoint is damaged or cut off", again) from error
+        raise InputError(place, "the checkpoint is damaged or cut off", form.again) from error
     if checksum(tree) != stored:
         raise InputError(
-            place, "the checkpoint was changed after it was written (its checksum differs)", again
+            place, "the checkpoint was changed after it was written (its checksum differs)", form.again
         )
     return tree
 

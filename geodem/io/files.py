@@ -21,14 +21,14 @@ _REMEDIES = {
 }
 
 
-def write_whole(path: Path | str, data: bytes | str) -> None:
+def write_whole(path: Path | str, data: bytes | memoryview | str) -> None:
     """Write a file so that at any moment its name holds the old content or the new, never a part.
 
     Parameters
     ----------
     path : path
         Folders on the way are made.
-    data : bytes, or str (written as UTF-8)
+    data : bytes, memoryview of bytes, or str (written as UTF-8)
 
     Raises
     ------

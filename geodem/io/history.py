@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
@@ -120,6 +121,26 @@ def write_history(path: Path | str, columns: Sequence[str], records: Iterable[Se
     """
     lines = [_line(columns), *(_line([_text(value) for value in record]) for record in records)]
     write_whole(path, "".join(lines))
+
+
+def cut_history(path: Path | str, last: float) -> float:
+    """Drop the records whose first value is above `last`; returns that of the last one kept, -inf where there is none.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read or written.
+    """
+    path = Path(path)
+    try:
+        header, *records = path.read_bytes().decode("utf-8").splitlines(keepends=True)
+        firsts = [float(record.split(",", 1)[0]) for record in records]
+    except (OSError, ValueError) as error:
+        raise InputError(str(path), f"cannot be read ({error})", "Move the file away.") from error
+    kept = [record for record, first in zip(records, firsts, strict=True) if first <= last]
+    if len(kept) < len(records):
+        write_whole(path, "".join([header, *kept]))
+    return max((first for first in firsts if first <= last), default=-math.inf)
 
 
 def read_history(path: Path | str) -> Mapping[str, NDArray]:

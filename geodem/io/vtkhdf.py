@@ -18,7 +18,8 @@ from geodem.io.files import write_whole
 if TYPE_CHECKING:
     import h5py
 
-VERTEX, TRIANGLE, TETRAHEDRON = 1, 5, 10  # VTK cell types
+VERTEX, LINE, TRIANGLE, TETRAHEDRON = 1, 3, 5, 10  # VTK cell types
+_KINDS = {2: LINE, 3: TRIANGLE, 4: TETRAHEDRON}
 
 _CHUNK = 25_000  # values along the first axis; small enough to compress well, large enough to read fast
 
@@ -40,8 +41,9 @@ def write_vtkhdf(
     path : path
         Usually ``*.vtkhdf``.
     positions : (n, 2) or (n, 3) [m]
-    triangles : (m, 3) or (m, 4) integers, optional
-        Triangles or tetrahedra; without any, every particle is a vertex, so that it can be seen.
+    triangles : (m, 2), (m, 3) or (m, 4) integers, optional
+        Lines, triangles or tetrahedra; without any, every particle is a vertex, so that it can be seen (but where
+        lines were given, none of them is drawn).
     point_data, cell_data : dict of name to array (n, ...) or (m, ...), optional
         Scalars, vectors of two components (a zero third one is added) or more components. Put the unit in the
         name: ``"displacement [m]"``; a slash is written " per ", as HDF5 takes it for a folder. Booleans are
@@ -116,13 +118,14 @@ def write_series(path: Path | str, frames: Sequence[tuple[str, float]]) -> None:
 
 def _cells(triangles: ArrayLike | None, count: int) -> tuple[NDArray[np.int64], int]:
     cells = np.empty((0, 3), dtype=np.int64) if triangles is None else np.asarray(triangles).astype(np.int64)
+    lines = cells.ndim == 2 and cells.shape[1] == 2
     if not len(cells):
-        return np.arange(count, dtype=np.int64)[:, None], VERTEX
-    if cells.ndim != 2 or cells.shape[1] not in (3, 4):
-        raise ValueError(f"triangles must be (m, 3) or (m, 4), not {cells.shape}")
+        return (cells, LINE) if lines else (np.arange(count, dtype=np.int64)[:, None], VERTEX)
+    if cells.ndim != 2 or cells.shape[1] not in _KINDS:
+        raise ValueError(f"triangles must be (m, 2), (m, 3) or (m, 4), not {cells.shape}")
     if cells.min() < 0 or cells.max() >= count:
         raise ValueError(f"triangles name particles outside 0..{count - 1}")
-    return cells, TRIANGLE if cells.shape[1] == 3 else TETRAHEDRON
+    return cells, _KINDS[cells.shape[1]]
 
 
 def _group(root: h5py.Group, name: str, arrays: Mapping[str, ArrayLike], count: int) -> None:
@@ -131,7 +134,7 @@ def _group(root: h5py.Group, name: str, arrays: Mapping[str, ArrayLike], count: 
         array = np.asarray(value)
         if array.ndim < 1 or len(array) != count:
             raise ValueError(f"{name} '{key}' must have {count} rows, not shape {array.shape}")
-        array = array.reshape(count, -1) if array.ndim > 1 else array
+        array = array.reshape(count, int(np.prod(array.shape[1:]))) if array.ndim > 1 else array
         _dataset(
             group, _name(key), _plain(_three(array) if array.ndim == 2 and array.shape[1] == 2 else array)
         )

@@ -71,7 +71,7 @@ def history_layout(
     if bond is not None:
         offset, width = width, width + 1
     if energy:
-        stored, width = width, width + (16 if dimension == 3 else 9)
+        stored, width = width, width + (14 if dimension == 3 else 7)
     return HistoryLayout(contact_names, bond_names, offset, stored, max(width, 1))
 
 

@@ -36,7 +36,7 @@ ASKS_MASS = True
 ASKS_APPROACH = True
 OFFSET = 0
 
-LANES = 32
+LANES = 64
 """Pairs in a block: large enough to pay for its three loops, small enough for the first cache."""
 
 # Places in a block. The first slots lie in fours, a lane's four beside each other: value k of lane l at place
@@ -45,9 +45,7 @@ LANES = 32
 # four that is not read whole makes the compiler do the last lanes one by one.
 APART = 0  # x, y, z from a to b, and rb - ra
 RELATIVE = 4 * LANES  # velocity of b against a, and the distance without force
-SUM = (
-    8 * LANES
-)  # spins of a and b, and the weight: 0 where a lane repeats the last pair
+SUM = 8 * LANES  # spins of a and b, and the weight: 0 where a lane repeats the last pair
 DIFFERENCE = 12 * LANES  # spin of a less that of b
 HISTORY_SLOT = 15
 # In rows: what some laws ask for, and what the laws leave.
@@ -125,17 +123,17 @@ def gather(block, lane, rows, a, b, offset, weight):
         block[MASS_B + lane] = rows[b + 7]
 
 
-def scatter(block, filled, own_a, own_b, force_a, force_b):
-    """Add the forces of the filled lanes to the chunk's particles, in eights: a force, and a moment."""
+def scatter(block, filled, place, local_a, local_b, load):
+    """Add the forces of the filled lanes to the chunk's particles and its halo, in eights: a force, and a moment."""
     for lane in range(filled):
-        a = 8 * int(own_a[lane])
-        b = 8 * int(own_b[lane])
+        a = 8 * int(local_a[place[lane]])
+        b = 8 * int(local_b[place[lane]])
         at = 4 * lane
-        add_fours(force_a, a, force_a, a, block, FORCE + at)
-        subtract_fours(force_b, b, force_b, b, block, FORCE + at)
+        add_fours(load, a, load, a, block, FORCE + at)
+        subtract_fours(load, b, load, b, block, FORCE + at)
         if ROTATION:
-            add_fours(force_a, a + 4, force_a, a + 4, block, MOMENT_A + at)
-            add_fours(force_b, b + 4, force_b, b + 4, block, MOMENT_B + at)
+            add_fours(load, a + 4, load, a + 4, block, MOMENT_A + at)
+            add_fours(load, b + 4, load, b + 4, block, MOMENT_B + at)
 
 
 def lane_geometry(block, lane, time_step):
@@ -418,12 +416,8 @@ def pairs(
         pair_bond = pair_bond[first:last]
     block = np.empty(SIZE)
     place = np.empty(last - first + LANES, np.uint32)
-    own_a = np.empty(LANES, np.uint32)
-    own_b = np.empty(LANES, np.uint32)
     row = np.zeros(LANES, np.uint32)
-    # apart for a and b: a sum that waits for the last one waits half as often
-    force_a = np.zeros(8 * (len(force) + len(halo_force)))
-    force_b = np.zeros(8 * (len(force) + len(halo_force)))
+    load = np.zeros(8 * (len(force) + len(halo_force)))
     contacts = 0.0
     thrust = 0.0
     for kind in range(0 if BONDS else 1, 2):
@@ -441,8 +435,6 @@ def pairs(
                 p = int(here[lane])
                 a = int(pair_a[p])
                 b = int(pair_b[p])
-                own_a[lane] = local_a[p]
-                own_b[lane] = local_b[p]
                 gather(
                     block,
                     lane,
@@ -485,17 +477,17 @@ def pairs(
                         contacts -= block[SUM + 4 * lane + 3]
             contacts += count_here
             thrust += thrust_here
-            scatter(block, filled, own_a, own_b, force_a, force_b)
+            scatter(block, filled, here, local_a, local_b, load)
     size = len(force)
     for k in range(size):
         for axis in range(3):
-            force[k, axis] = force_a[8 * k + axis] + force_b[8 * k + axis]
-            force[k, 3 + axis] = force_a[8 * k + 4 + axis] + force_b[8 * k + 4 + axis]
+            force[k, axis] = load[8 * k + axis]
+            force[k, 3 + axis] = load[8 * k + 4 + axis]
     for k in range(len(halo_force)):
         at = 8 * (size + k)
         for axis in range(3):
-            halo_force[k, axis] = force_a[at + axis] + force_b[at + axis]
-            halo_force[k, 3 + axis] = force_a[at + 4 + axis] + force_b[at + 4 + axis]
+            halo_force[k, axis] = load[at + axis]
+            halo_force[k, 3 + axis] = load[at + 4 + axis]
     return contacts, thrust
 
 

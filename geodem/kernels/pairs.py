@@ -107,8 +107,8 @@ def account(
 ):  # fmt: skip
     """Energy of one contact in one step, from the means of the old and the new forces.
 
-    A leap-frog's particles feel the forces of both ends of a step, so what acts now works for half of the next step
-    too, even if the contact parts in it; this is noted ahead for `forget`.
+    A leap-frog's particles feel the forces of both ends of a step: those of a contact that parts work for half of the
+    step in which it does, so it is to be called in that step too, with all forces zero.
 
     Returns
     -------
@@ -124,30 +124,25 @@ def account(
     )
     work += 0.5 * (bending_x + history[p, STORED + 3]) * bend_x
     heat = 0.5 * (damp + history[p, STORED + 4]) * approach + 0.5 * (drag_x + history[p, STORED + 5]) * slip_x
-    work_ahead = 0.5 * (shear_x * slip_x + bending_x * bend_x)
-    heat_ahead = 0.5 * (damp * approach + drag_x * slip_x)
     if SPACE:
-        work_ahead += 0.5 * (shear_y * slip_y + shear_z * slip_z)
-        work_ahead += 0.5 * (bending_y * bend_y + bending_z * bend_z + twisting * twist)
-        heat_ahead += 0.5 * (drag_y * slip_y + drag_z * slip_z)
         work += (
-            0.5 * (shear_y + history[p, STORED + 9]) * slip_y
-            + 0.5 * (shear_z + history[p, STORED + 10]) * slip_z
+            0.5 * (shear_y + history[p, STORED + 7]) * slip_y
+            + 0.5 * (shear_z + history[p, STORED + 8]) * slip_z
         )
-        work += 0.5 * (bending_y + history[p, STORED + 11]) * bend_y
-        work += 0.5 * (bending_z + history[p, STORED + 12]) * bend_z
-        work += 0.5 * (twisting + history[p, STORED + 13]) * twist
+        work += 0.5 * (bending_y + history[p, STORED + 9]) * bend_y
+        work += 0.5 * (bending_z + history[p, STORED + 10]) * bend_z
+        work += 0.5 * (twisting + history[p, STORED + 11]) * twist
         heat += (
-            0.5 * (drag_y + history[p, STORED + 14]) * slip_y
-            + 0.5 * (drag_z + history[p, STORED + 15]) * slip_z
+            0.5 * (drag_y + history[p, STORED + 12]) * slip_y
+            + 0.5 * (drag_z + history[p, STORED + 13]) * slip_z
         )
-        history[p, STORED + 9] = shear_y
-        history[p, STORED + 10] = shear_z
-        history[p, STORED + 11] = bending_y
-        history[p, STORED + 12] = bending_z
-        history[p, STORED + 13] = twisting
-        history[p, STORED + 14] = drag_y
-        history[p, STORED + 15] = drag_z
+        history[p, STORED + 7] = shear_y
+        history[p, STORED + 8] = shear_z
+        history[p, STORED + 9] = bending_y
+        history[p, STORED + 10] = bending_z
+        history[p, STORED + 11] = twisting
+        history[p, STORED + 12] = drag_y
+        history[p, STORED + 13] = drag_z
     lost = work - (stored - history[p, STORED])
     history[p, STORED] = stored
     history[p, STORED + 1] = normal
@@ -156,24 +151,6 @@ def account(
     history[p, STORED + 4] = damp
     history[p, STORED + 5] = drag_x
     history[p, STORED + 6] = overlap
-    history[p, STORED + 7] = work_ahead
-    history[p, STORED + 8] = heat_ahead
-    return lost, heat
-
-
-def forget(history, p):
-    """Empty the energy account of a contact that parted.
-
-    Returns
-    -------
-    lost, heat : float
-        Elastic energy that went with it, less what its last normal force gave back over what was left of the overlap,
-        and the work of its last shear force and moments in the step in which it parted; the same of its dashpots [J].
-    """
-    lost = history[p, STORED] - 0.5 * history[p, STORED + 1] * history[p, STORED + 6] + history[p, STORED + 7]
-    heat = history[p, STORED + 8]
-    for column in range(16 if SPACE else 9):
-        history[p, STORED + column] = 0.0
     return lost, heat
 
 
@@ -235,8 +212,9 @@ def range_of_pairs(
             parameters = common if ONE_MATERIAL else contact_parameters(table, row)
             limit = zero + contact_reach(parameters, radius_a, radius_b)
             touch = square < limit * limit
-        # bonded first: where bonds swing about their length, nobody can guess what touches
-        if number != 0 or touch:
+        # bonded first: where bonds swing about their length, nobody can guess what touches; a contact that parted has
+        # no force, but an account to close
+        if number != 0 or touch or (ENERGY and touched):
             distance = math.sqrt(square)
             inverse = 1.0 / distance
             nx = dx * inverse
@@ -379,18 +357,22 @@ def range_of_pairs(
             elif touched:
                 touching[p] = 0
                 store_contact(history, p, no_contact())
+                if BONDS and ENERGY and number == 0:
+                    history[p, OFFSET] = 0.0
             if ENERGY:
+                # a contact ends where its surfaces part, wherever they are at the end of the step
+                ends = overlap if touch or number != 0 or REACH else 0.0
                 lost, heat = account(
                     history, p, stored, approach, slip_x, slip_y, slip_z, twist,
-                    bend_x, bend_y, bend_z, overlap, normal, shear_x, shear_y, shear_z, twisting, bending_x,
+                    bend_x, bend_y, bend_z, ends, normal, shear_x, shear_y, shear_z, twisting, bending_x,
                     bending_y, bending_z, damp, drag_x, drag_y, drag_z,
                 )  # fmt: skip
+                if not touch and number <= 0:
+                    # the next touch begins without overlap
+                    history[p, STORED + 6] = 0.0
                 energy[ELASTIC] += stored
                 energy[VISCOUS] += heat
                 if BONDS and number < 0:
-                    if not touch:
-                        # apart: the next touch begins without overlap
-                        history[p, STORED + 6] = 0.0
                     energy[BROKEN] += lost
                     record[-number - 1, RELEASED] = lost
                 else:
@@ -433,15 +415,12 @@ def range_of_pairs(
                 loads[j] -= fx
                 loads[j + 1] -= fy
                 loads[j + 2] += arm_b * shear_x - mz
-            contacts += 1.0
-            thrust += abs(normal)
+            if touch or number != 0:
+                contacts += 1.0
+                thrust += abs(normal)
         elif touched:
             touching[p] = 0
             store_contact(history, p, no_contact())
-            if ENERGY:
-                lost, heat = forget(history, p)
-                energy[FRICTION] += lost
-                energy[VISCOUS] += heat
             if BONDS and history[p, OFFSET] > 0.0:
                 # apart: from now on the pair touches where its surfaces do
                 history[p, OFFSET] = 0.0

@@ -118,7 +118,7 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
     adapters += [*fours.texts(), source(pairs.fetch_ahead)]
     loops: list[Callable[..., Any]] = []
     if not blocked:
-        loops += [pairs.account, pairs.forget, pairs.range_of_pairs, pairs.pairs]
+        loops += [pairs.account, pairs.range_of_pairs, pairs.pairs]
     if features.walls:
         law_texts, more = wall_adapters(
             contact, dimension=features.dimension, layout=layout, viscous=features.contact_viscous
@@ -126,7 +126,7 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
         law_functions += law_texts
         adapters += more
         if blocked:
-            loops += [pairs.account, pairs.forget]
+            loops += [pairs.account]
         loops += [*walls.FUNCTIONS, *wall_motion.MOTION_FUNCTIONS]
     else:
         adapters += ["wall_forces = None", "gather_wall_forces = None", "move_walls = None"]
@@ -137,7 +137,14 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
         loops += sleep.FUNCTIONS
     else:
         adapters += ["sleep_and_wake = None"]
-    loops += [motion.direction, motion.turn, motion.move, steps.watched, steps.chunk_forces, steps.chunk_motion]
+    loops += [
+        motion.direction,
+        motion.turn,
+        motion.move,
+        steps.watched,
+        steps.chunk_forces,
+        steps.chunk_motion,
+    ]
     loops.append(steps.advance)
     return compile_kernel(
         loops,

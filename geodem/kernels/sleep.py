@@ -2,8 +2,8 @@
 
 Serial, and only where a scene asks for it; compiled in a generated module like `geodem.kernels.pairs`. A chunk falls
 asleep when it and all chunks that share pairs with it have been slow for some steps, and no wall that moves is near.
-It wakes when one of those chunks gets fast. While it sleeps beside one that is awake, the pairs that it lists are computed
-all the same, for the other's sake.
+It wakes when one of those chunks gets fast. While it sleeps beside one that is awake, the pairs that it lists are
+computed all the same, for the other's sake.
 """
 
 from __future__ import annotations

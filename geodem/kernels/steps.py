@@ -109,7 +109,8 @@ def chunk_motion(
 
 def advance(
     teams, steps, rows, phase, chunk_size, pair_start, pair_a, pair_b, local_a, local_b, pair_bond, touching, history,
-    halo_start, into, source, target, lowest, table, bond_table, bond_scale, inverse_mass, inverse_inertia, gravity, applied, held, anchor_of, anchors, angle,
+    halo_start, into, source, target, lowest, table, bond_table, bond_scale, inverse_mass, inverse_inertia, gravity,
+    applied, held, anchor_of, anchors, angle,
     wall_start, wall_particle, wall_primitive, wall_touching, wall_history, wall_normal, wall_geometry, wall_feature,
     shape, kind, body, vertex, bodies, wall_table, wall_sums,
     time_step, first_step, breaking, local_damping, global_damping, damping_ratio, old_force, utilisation, record, sums,
@@ -119,9 +120,9 @@ def advance(
 
     teams: parts of the chunks that are computed at the same time, one a thread; no bit depends on their number.
     rows (2, n, 8 or 12), phase: which of the two holds the present; local_a to target: see `geodem.neighbors.halo`;
-    sums (chunks, 17); force (n, 3 or 6): resultants of the last step, halo_force (h, 3 or 6); allowance [m]: how far particles
-    and walls may still move together; global_damping, damping_ratio: where RELAX, the damping of the first step and its
-    share of the critical one of the lowest frequency in motion.
+    sums (chunks, 17); force (n, 3 or 6): resultants of the last step, halo_force (h, 3 or 6); allowance [m]: how far
+    particles and walls may still move together; global_damping, damping_ratio: where RELAX, the damping of the first
+    step and its share of the critical one of the lowest frequency in motion.
     Sleep: asleep (chunks,) uint8, quiet (chunks,) steps that a chunk and all around it have been slower than
     sleep_speed; neighbour_start, neighbour: the chunks around each one.
 

@@ -4,6 +4,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
 
 class ParticleEnergy(NamedTuple):
     """Where the work went [J] (2D: J per m).
@@ -39,3 +44,40 @@ class ParticleEnergy(NamedTuple):
         """What is found less what was supplied, over the largest of all terms [-]."""
         largest = max(abs(term) for term in self)
         return (self.found - self.supplied) / largest if largest > 0.0 else 0.0
+
+
+class HalfStep(NamedTuple):
+    """Work of the last forces on the second half of their step [J]: steps count it, the energies are those before."""
+
+    damping: float
+    driven: float
+
+
+def half_step_ahead(
+    force: Floats,
+    given: Floats,
+    inertia: Floats,
+    held: NDArray[np.bool_],
+    before: Floats,
+    after: Floats,
+    *,
+    time_step: float,
+    local_damping: float,
+    global_damping: float,
+) -> HalfStep:
+    """What damping took and held freedoms gave on the way of half a step, from forces at its beginning.
+
+    Parameters
+    ----------
+    force, given : (n, d + s) [N, N m]
+        Resultants of the last step, and what weight and applied forces have in them.
+    inertia : (n, d + s) [kg, kg m2]
+    held : (n, d + s) bool
+    before, after : (n, d + s) [m/s, rad/s]
+        Velocities half a step before and after the forces.
+    """
+    way = 0.5 * time_step * after
+    drag = local_damping * np.abs(force) * np.sign(before) + 0.5 * global_damping * inertia * (before + after)
+    return HalfStep(
+        damping=float((drag * way)[~held].sum()), driven=-float(((force - given) * way)[held].sum())
+    )

@@ -37,7 +37,7 @@ class Halo:
     source : (h,) int64
         Place in the halo of all.
     target : (h,) uint32
-        Place of the particle in the chunk that owns it. Every chunk takes over in the order of the chunks it takes from.
+        Place of the particle in the chunk that owns it. A chunk takes over in the order of the chunks it takes from.
     lowest : (chunks,) int64
         The first chunk from which a chunk takes over, or itself. None comes after it: pairs are listed under the
         lower row.

@@ -118,7 +118,7 @@ def kernel(dimension, turn, reach=0.0):
         "ELASTIC": pairs.ELASTIC,
         "REACH": reach,
     }
-    functions = (*STAND_IN, pairs.account, pairs.forget, *walls.FUNCTIONS, *wall_motion.MOTION_FUNCTIONS)
+    functions = (*STAND_IN, pairs.account, *walls.FUNCTIONS, *wall_motion.MOTION_FUNCTIONS)
     return compile_kernel(functions, constants, parallel=False, finite=True)
 
 
@@ -149,7 +149,7 @@ class WallScene:
 
     def search(self, old_row_of_new=None):
         self.pairs = find_wall_pairs(
-            self.rows, self.table, buffer=self.buffer, chunk=self.chunk, history_width=19, old=self.pairs,
+            self.rows, self.table, buffer=self.buffer, chunk=self.chunk, history_width=17, old=self.pairs,
             old_row_of_new=old_row_of_new,
         )  # fmt: skip
 

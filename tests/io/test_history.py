@@ -1,6 +1,7 @@
 """History files: units in the header, every record on disk at once, resumable."""
 
 import errno
+import math
 import os
 import resource
 
@@ -9,7 +10,7 @@ import pytest
 
 from geodem.errors import InputError
 from geodem.io.files import write_whole
-from geodem.io.history import COLUMNS, HistoryWriter, read_history
+from geodem.io.history import COLUMNS, HistoryWriter, cut_history, read_history, write_history
 
 
 def test_round_trip_keeps_every_bit(tmp_path):
@@ -142,3 +143,17 @@ def test_folders_are_made_and_files_in_the_way_are_named(tmp_path):
         write_whole(tmp_path / "a" / "b" / "c.txt" / "d.txt", "x")
     with pytest.raises(InputError, match="folder has the name"):
         write_whole(tmp_path / "a" / "b", "x")
+
+
+def test_later_records_are_cut_off_and_the_others_kept_to_the_letter(tmp_path):
+    path = tmp_path / "history.csv"
+    write_history(path, ["step [-]", "name, of a wall [-]"], [(0, "a"), (20, 'b,"c"'), (40, "d")])
+    before = path.read_text().splitlines(keepends=True)
+    assert cut_history(path, 40) == 40.0
+    assert path.read_text() == "".join(before)
+    assert cut_history(path, 39) == 20.0
+    assert path.read_text() == "".join(before[:3])
+    assert cut_history(path, -1) == -math.inf
+    assert path.read_text() == before[0]
+    with pytest.raises(InputError, match="cannot be read"):
+        cut_history(tmp_path / "none.csv", 0)

@@ -124,7 +124,7 @@ def test_the_same_frame_gives_the_same_bytes(tmp_path):
         ({"cell_data": {"s [Pa]": np.zeros(5)}}, "3 rows"),
         ({"point_data": {"": np.zeros(5)}}, "without a name"),
         ({"triangles": [[0, 1, 5]]}, "0..4"),
-        ({"triangles": [[0, 1]]}, "(m, 3)"),
+        ({"triangles": [[0, 1, 2, 3, 4]]}, "(m, 3)"),
     ],
 )
 def test_arrays_that_do_not_fit_are_refused_and_leave_no_file(tmp_path, arguments, word):
@@ -148,3 +148,17 @@ def test_no_room_leaves_the_old_frame(tmp_path):
     assert "--out" in str(caught.value)
     assert path.read_bytes() == before
     assert [entry.name for entry in tmp_path.iterdir()] == ["frame.vtkhdf"]
+
+
+@pytest.mark.parametrize("count", [0, 2])
+def test_lines(tmp_path, count):
+    lines = np.array([[0, 1], [3, 2]])[:count]
+    write_vtkhdf(tmp_path / "lines.vtkhdf", POSITIONS, lines, cell_data={"force [N]": np.arange(count) + 1.5})
+    grid = read(tmp_path / "lines.vtkhdf")
+    assert grid.GetNumberOfPoints() == 5
+    assert grid.GetNumberOfCells() == count
+    for cell in range(count):
+        assert grid.GetCellType(cell) == 3
+        ids = grid.GetCell(cell).GetPointIds()
+        assert [ids.GetId(k) for k in range(2)] == lines[cell].tolist()
+    assert array(grid.GetCellData(), "force [N]").tolist() == [1.5, 2.5][:count]
