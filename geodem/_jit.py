@@ -85,10 +85,15 @@ class ThreadPilot:
 
     On a machine with other work a thread that lost its core keeps all others waiting at the end of every loop, and
     several threads can be many times slower than one. The bits do not depend on the number of threads, so
-    it may be chosen by the clock.
+    it may be chosen by the clock. The other choice is looked at now and then, for a short time only.
     """
 
     LOOK_AGAIN_SECONDS = 1.0
+    LOOK_SECONDS = 0.02
+    """Length of a look at the choice that was slower."""
+    FIRST_STEPS = 20
+    """Length of the first looks, when it is not known what a step costs."""
+    NO_LIMIT = 2**31
 
     def __init__(self) -> None:
         self._all = threads_allowed()
@@ -96,30 +101,32 @@ class ThreadPilot:
         self._tried: dict[int, float] = {}  # threads -> when
         self._now = self._all
 
-    def choose(self) -> int:
-        """Set and return the number of threads of the next batch."""
+    def choose(self) -> tuple[int, int]:
+        """Set and return the number of threads of the next batch, and the most steps that it should have."""
         import numba
 
-        if self._all > 1:
-            self._now = self._choice()
-            numba.set_num_threads(self._now)
-        return self._now
+        if self._all == 1:
+            return 1, self.NO_LIMIT
+        self._now, steps = self._choice()
+        numba.set_num_threads(self._now)
+        return self._now, steps
 
-    def _choice(self) -> int:
+    def _choice(self) -> tuple[int, int]:
         both = (self._all, 1)
         for threads in both:
             if threads not in self._cost:
-                return threads
+                return threads, self.FIRST_STEPS
         best = min(both, key=lambda threads: self._cost[threads])
         other = both[1 - both.index(best)]
         if time.perf_counter() - self._tried[other] > self.LOOK_AGAIN_SECONDS:
-            return other
-        return best
+            return other, max(2, int(self.LOOK_SECONDS / self._cost[other]))
+        return best, self.NO_LIMIT
 
     def learn(self, seconds_per_step: float) -> None:
         """Say what the last batch cost."""
+        # a hiccup of the machine must not weigh for long
         old = self._cost.get(self._now, seconds_per_step)
-        self._cost[self._now] = 0.5 * (old + seconds_per_step)
+        self._cost[self._now] = min(0.5 * (old + seconds_per_step), 2.0 * old)
         self._tried[self._now] = time.perf_counter()
 
 

@@ -158,7 +158,7 @@ def chunk_size(particles: int, serial: bool) -> int:
     if serial:
         return max(particles, 1)
     size = 128
-    while size < 512 and size * 128 < particles:
+    while size < 1024 and size * 64 < particles:
         size *= 2
     return size
 

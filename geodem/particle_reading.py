@@ -16,7 +16,7 @@ from .kernels.adapters import HistoryLayout
 from .kernels.particle_kernel import Features
 from .measure.contact_forces import law_forces
 from .measure.particle_energy import HalfStep, ParticleEnergy, half_step_ahead
-from .neighbors import PairList
+from .neighbors import Halo, PairList
 from .particle_layout import Columns, RowArrays
 
 Floats = NDArray[np.float64]
@@ -83,6 +83,8 @@ class ParticleReading:
     angle : (n, 1) [rad] or (n, 4)
     force : (n, d + s) [N, N m]
     pairs : PairList
+    halo : Halo
+    halo_force : (h, d + s) [N, N m]
     walls : WallTable
     table, bond_table : (m * m, k)
         Parameters of contacts and bonds by pair of materials.
@@ -112,6 +114,8 @@ class ParticleReading:
     angle: Floats
     force: Floats
     pairs: PairList
+    halo: Halo
+    halo_force: Floats
     walls: WallTable
     table: Floats
     bond_table: Floats
@@ -354,5 +358,5 @@ class ParticleReading:
     def nbytes(self) -> int:
         """Memory of the state, the lists and what the steps read [bytes]."""
         arrays = [self.rows, self.angle, self.force, self.reference, self.record, self.utilisation, self.sums]
-        arrays += list(vars(self.arrays).values())
-        return sum(array.nbytes for array in arrays) + self.pairs.nbytes
+        arrays += [self.halo_force, *vars(self.arrays).values()]
+        return sum(array.nbytes for array in arrays) + self.pairs.nbytes + self.halo.nbytes

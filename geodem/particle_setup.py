@@ -96,6 +96,7 @@ def scene_features(s: ParticleSimulation, *, energy: bool, orientation: bool) ->
         bond_viscous=bond is not None
         and bool(getattr(bond, "VISCOUS", False))
         and _any_viscosity(bond.PARAMETERS._fields, s.bond_table),
+        bonds_scaled=bond is not None and bool((a.bond_scale != 1.0).any()),
         rotation=turns and (shear or moment or bool(a.applied[:, d:].any()) or bool(a.spins.any())),
         orientation=orientation,
         gravity=bool(a.gravity.any()),

@@ -22,7 +22,7 @@ from .boundaries.wall_table import wall_table
 from .errors import InputError
 from .io.particle_checkpoint import read_particles, write_particles
 from .kernels.particle_kernel import Features, compile_particle_kernel
-from .neighbors import max_displacement, rebuild, spatial_order
+from .neighbors import find_halo, max_displacement, rebuild, spatial_order
 from .particle_layout import (
     NOTHING_AROUND,
     Columns,
@@ -58,8 +58,8 @@ SERIAL_LIMIT = 400
 BATCH = 1000
 """Steps between looks at the clock, at interrupts and at the numbers."""
 
-DISORDER = 1.15
-"""Rows are sorted anew once pairs across chunks have made the list this much longer."""
+DISORDER = 0.15
+"""Rows are sorted anew once the share of pairs across chunks has grown by this much."""
 
 
 class UnstableError(RuntimeError):
@@ -150,7 +150,7 @@ class ParticleSimulation(ParticleReading):
         self.initial_energy = 0.0
         self._ready()
         self.pairs = first_pairs(self)
-        self.sorted_pairs = 0
+        self.sorted_share = -1.0
         self.around = NOTHING_AROUND
         self.wall_pairs = WallPairs.empty(n, chunk=self.chunk, history_width=self.layout.width)
         self._searched()
@@ -211,33 +211,29 @@ class ParticleSimulation(ParticleReading):
                 old=self.wall_pairs, old_row_of_new=self._old_row_of_new,
             )  # fmt: skip
         self._old_row_of_new = None
+        self.listed()
         self.reference = self.now[:, self.columns.position].copy()
         self.moved = 0.0
         self.carried = 0.0
-        if self.sleep is not None:
-            self.around = chunks_around(self.pairs)
+
+    def listed(self) -> None:
+        """What follows from the list of pairs alone: the halos of the chunks, the chunks around each one."""
+        self.halo = find_halo(self.pairs)
+        self.halo_force = np.zeros((len(self.halo.source), self.force.shape[1]))
+        self.around = NOTHING_AROUND if self.sleep is None else chunks_around(self.pairs)
 
     def wake_all(self) -> None:
         """Wake every sleeping part; to be called when something from outside has changed."""
-        self._remind_sleepers()
         self.asleep[:] = 0
         self.quiet[:] = 0
-
-    def _remind_sleepers(self) -> None:
-        """Sleeping chunks take over what their awake neighbours remember of the pairs across."""
-        p = self.pairs
-        for chunk in np.flatnonzero(self.asleep):
-            self.kernel(self.features).take_over(
-                chunk, self.chunk, p.start, p.a, p.b, p.bond, p.touching, p.history, self.asleep
-            )
 
     def search(self, *, sort: bool | None = None) -> None:
         """Make the pair list anew; rows are sorted where they have lost their order (or `sort` says so)."""
         if sort is None:
             sort = (
                 not self.order_kept
-                and self.sorted_pairs > 0
-                and self.pairs.pairs > DISORDER * self.sorted_pairs
+                and self.sorted_share >= 0.0
+                and self._share_across() > DISORDER + self.sorted_share
             )
         new_of_old = None
         if sort:
@@ -255,17 +251,19 @@ class ParticleSimulation(ParticleReading):
                 self.angle = np.ascontiguousarray(self.angle[order])
         if sort:
             self.wake_all()
-        else:
-            self._remind_sleepers()
         self.pairs = rebuild(
             self.now, self.arrays.ids, self.pairs, self._old_row_of_new, new_of_old, chunk=self.chunk,
             buffer=self.buffer, dimension=self.dimension, history_width=self.layout.width,
         )  # fmt: skip
-        if sort or self.sorted_pairs == 0:
-            self.sorted_pairs = self.pairs.pairs
         self._searched()
+        if sort or self.sorted_share < 0.0:
+            self.sorted_share = self._share_across()
         self.searches += 1
         choose_servo_gains(self)
+
+    def _share_across(self) -> float:
+        """Share of the pairs that lie across chunks."""
+        return self.halo.across / max(self.pairs.pairs, 1)
 
     def _look(self) -> None:
         """Search anew where particles may have moved too far."""
@@ -344,15 +342,23 @@ class ParticleSimulation(ParticleReading):
         """Up to `steps` steps of a kernel, with a search where one is due; returns steps done and the last damping."""
         if not self.moved + self.carried <= self.buffer:
             self._look()
-        given = (steps, time_step, breaking, inverse_mass, inverse_inertia, global_damping, damping_ratio)
         known = len(kernel.advance.signatures)
-        threads = self._pilot.choose() if self.parallel else 1
+        threads, most = self._pilot.choose() if self.parallel else (1, steps)
+        given = (
+            min(steps, most),
+            time_step,
+            breaking,
+            inverse_mass,
+            inverse_inertia,
+            global_damping,
+            damping_ratio,
+        )
         start = time.perf_counter()
-        done, moved, carried, damping = kernel.advance(*self._arguments(*given, old_force))
+        done, moved, carried, damping = kernel.advance(threads, *self._arguments(*given, old_force))
         seconds = time.perf_counter() - start
         if len(kernel.advance.signatures) > known:
             add_compile_seconds(seconds)
-        elif threads:
+        elif self.parallel:
             self._pilot.learn(seconds / done)
         self.phase = (self.phase + done) & 1
         self.steps += done
@@ -373,18 +379,19 @@ class ParticleSimulation(ParticleReading):
         damping_ratio: float,
         old_force: Floats,
     ) -> tuple[Any, ...]:
-        """Arguments of `geodem.kernels.steps.advance`."""
-        p, w, t, rows = self.pairs, self.wall_pairs, self.walls, self.arrays
+        """Arguments of `geodem.kernels.steps.advance` after the first."""
+        p, h, w, t, rows = self.pairs, self.halo, self.wall_pairs, self.walls, self.arrays
         around, neighbour = self.around
         sleep = self.sleep or Sleep(0.0, 0)
         return (
-            steps, self.rows, self.phase, self.chunk, p.start, p.a, p.b, p.bond, p.touching, p.history,
+            steps, self.rows, self.phase, self.chunk, p.start, p.a, p.b,
+            h.local_a, h.local_b, p.bond, p.touching, p.history, h.start, h.into, h.source, h.target, h.lowest,
             self.table, self.bond_table, self.bond_scale, inverse_mass, inverse_inertia, self.assembly.gravity,
             rows.applied, rows.held, rows.anchor_of, self.anchors, self.angle,
             w.start, w.particle, w.primitive, w.touching, w.history, w.normal, w.geometry, w.feature,
             t.shape, t.kind, t.body, t.vertex, t.bodies, self.wall_parameters, self.wall_sums,
             float(time_step), self.steps, float(breaking), float(self.local_damping), float(global_damping),
-            float(damping_ratio), old_force, self.utilisation, self.record, self.sums, self.force,
+            float(damping_ratio), old_force, self.utilisation, self.record, self.sums, self.force, self.halo_force,
             float(self.buffer - self.moved - self.carried), self.asleep, self.quiet, around, neighbour,
             float(sleep.speed), sleep.steps,
         )  # fmt: skip

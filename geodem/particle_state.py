@@ -18,7 +18,7 @@ from .errors import InputError
 from .io.checkpoint import PARTICLES, Tree
 from .kernels.particle_kernel import Features
 from .neighbors import PairList
-from .particle_layout import NOTHING_AROUND, Columns, RowArrays, Sleep, anchor_table, chunks_around
+from .particle_layout import Columns, RowArrays, Sleep, anchor_table
 
 if TYPE_CHECKING:
     from .particle_simulation import ParticleSimulation
@@ -44,7 +44,7 @@ c chunks, d dimensions."""
 
 NUMBERS = (
     "phase", "chunk", "parallel", "buffer", "local_damping", "global_damping", "steps", "searches", "moved", "carried",
-    "started", "initial_energy", "critical_time_step", "time_step", "sorted_pairs",
+    "started", "initial_energy", "critical_time_step", "time_step", "sorted_share",
 )  # fmt: skip
 
 
@@ -85,6 +85,7 @@ def restore(s: ParticleSimulation, assembly: Assembly, tree: Mapping[str, Any], 
     try:
         _fill(s, assembly, tree)
         _check(s)
+        s.listed()
     except InputError:
         raise
     except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
@@ -110,7 +111,6 @@ def _fill(s: ParticleSimulation, assembly: Assembly, tree: Mapping[str, Any]) ->
     s.anchors = anchor_table(assembly)
     s.walls = wall_table(assembly.walls, assembly.dimension)
     s.walls.bodies = tree["bodies"]
-    s.around = NOTHING_AROUND if s.sleep is None else chunks_around(s.pairs)
 
 
 def _check(s: ParticleSimulation) -> None:
@@ -144,6 +144,8 @@ def _check(s: ParticleSimulation) -> None:
             raise ValueError("a list of pairs is cut off")
         if (np.diff(pairs.row) < 0).any() or len(pairs.history) != count or len(pairs.touching) != count:
             raise ValueError("a list of pairs is not in order")
+    if (np.minimum(p.a, p.b) != p.listed_under()).any():
+        raise ValueError("a pair is not listed under its lower row")
 
 
 def _parts(pairs: PairList | WallPairs) -> Tree:

@@ -77,4 +77,3 @@ class State:
         return {
             field.name: getattr(self, field.name) for field in fields(self) if field.type in ("float", "int")
         }
-

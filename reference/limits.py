@@ -95,8 +95,12 @@ class Loop:
 
     def pairs(self) -> int:
         """Pairs, each counted once."""
-        first, second = (side.astype(np.int64) // self.chunk for side in (self.a, self.b))
-        return int((first == second).sum() + (first != second).sum() // 2)
+        return int(self.once().sum())
+
+    def once(self) -> NDArray[np.bool_]:
+        """Which entries (p,) count a pair: a pair across chunks stands in both, and counts where its lower row is."""
+        owner = np.repeat(np.arange(len(self.start) - 1), np.diff(self.start))
+        return np.asarray(np.minimum(self.a, self.b) // self.chunk == owner)
 
     def step(self, steps: int, threads: int) -> float:
         """Do `steps` steps; return the seconds of one.
@@ -218,25 +222,35 @@ def loop_of(scene: Scene, *, damping: float = 0.0, chunk: int | None = None, mar
     )
 
 
-def loop_of_engine(scene: Scene, simulation: ParticleSimulation, *, damping: float = 0.0) -> Loop:
-    """The rows, chunks and pairs of geodem's own simulation of a scene, copied; with histories as C keeps them."""
-    pairs, now = simulation.pairs, simulation.now
+def loop_of_engine(
+    scene: Scene, simulation: ParticleSimulation, *, damping: float = 0.0, chunk: int | None = None
+) -> Loop:
+    """The rows and pairs of geodem's own simulation of a scene, copied; with histories as C keeps them.
+
+    C's chunks, geodem's if left out, do without a halo: both chunks of a pair across compute it.
+    """
+    listed, now = simulation.pairs, simulation.now
     dimension = scene.dimension
-    history = np.zeros((len(pairs.a), 3 if dimension == 3 else 2))
+    chunk = chunk or simulation.chunk
+    pairs = np.sort(np.stack([listed.a, listed.b], axis=1).astype(np.int64), axis=1)
+    start, a, b, own = chunked(pairs, len(now), chunk)
+    history = np.zeros((len(a), 3 if dimension == 3 else 2))
+    bond = np.ascontiguousarray(listed.bond[own])
     if dimension == 2:
         columns = simulation.columns
-        apart = now[pairs.b][:, columns.position] - now[pairs.a][:, columns.position]
-        overlap = now[pairs.a, columns.radius] + now[pairs.b, columns.radius] - np.sqrt((apart**2).sum(1))
-        history[:, 1] = np.where(pairs.bond > 0, overlap, 0.0)
+        apart = now[b][:, columns.position] - now[a][:, columns.position]
+        overlap = now[a, columns.radius] + now[b, columns.radius] - np.sqrt((apart**2).sum(1))
+        history[:, 1] = np.where(bond > 0, overlap, 0.0)
+    untouched = np.zeros(len(a), dtype=np.uint8)
     return Loop(
         dimension,
         np.stack([now, now]),
-        simulation.chunk,
-        pairs.start.copy(),
-        pairs.a.copy(),
-        pairs.b.copy(),
-        pairs.bond.copy(),
-        np.zeros(len(pairs.a), dtype=np.uint8),
+        chunk,
+        start,
+        a,
+        b,
+        bond,
+        untouched,
         history,
         _parameters(scene, damping),
     )

@@ -40,14 +40,8 @@ for _ in range(4):
 p, digest = simulation.pairs, hashlib.sha256()
 for array in (simulation.positions, simulation.velocities, simulation.spins, p.history, p.bond):
     digest.update(np.ascontiguousarray(array).tobytes())
-# a pair across chunks stands in both: what it remembers must be the same to the last bit
-key = p.a.astype(np.int64) * simulation.assembly.particles + p.b
-order = np.argsort(key, kind="stable")
-twice = np.flatnonzero(np.diff(key[order]) == 0)
-same = (p.history[order[twice]] == p.history[order[twice + 1]]).all() and (
-    p.bond[order[twice]] == p.bond[order[twice + 1]]).all()
 broken = len(simulation.broken_bonds().bond)
-print(digest.hexdigest(), len(twice), bool(same), broken, simulation.searches)
+print(digest.hexdigest(), simulation.halo.across, broken, simulation.searches)
 """
 
 
@@ -65,9 +59,8 @@ def outcome(dimension: int, threads: int) -> list[str]:
 def test_same_bits_on_any_number_of_threads(dimension):
     one, two, four = (outcome(dimension, threads) for threads in (1, 2, 4))
     assert one == two == four
-    _, across, same, broken, searches = one
+    _, across, broken, searches = one
     # the scene has what could go wrong
     assert int(across) > 100
     assert int(broken) > 10
     assert int(searches) > 5
-    assert same == "True"

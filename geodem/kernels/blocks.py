@@ -23,6 +23,8 @@ import numpy as np
 BONDS = True
 REPLACES = True
 REACH = True
+RELAX = True
+SCALED = True
 ONE_MATERIAL = False
 MATERIALS = 1
 MOMENT = True
@@ -34,7 +36,7 @@ ASKS_MASS = True
 ASKS_APPROACH = True
 OFFSET = 0
 
-LANES = 32
+LANES = 64
 """Pairs in a block: large enough to pay for its three loops, small enough for the first cache."""
 
 # Places in a block. The first slots lie in fours, a lane's four beside each other: value k of lane l at place
@@ -43,9 +45,7 @@ LANES = 32
 # four that is not read whole makes the compiler do the last lanes one by one.
 APART = 0  # x, y, z from a to b, and rb - ra
 RELATIVE = 4 * LANES  # velocity of b against a, and the distance without force
-SUM = (
-    8 * LANES
-)  # spins of a and b, and the weight: 1 where a is the chunk's, so that a pair across chunks counts once
+SUM = 8 * LANES  # spins of a and b, and the weight: 0 where a lane repeats the last pair
 DIFFERENCE = 12 * LANES  # spin of a less that of b
 HISTORY_SLOT = 15
 # In rows: what some laws ask for, and what the laws leave.
@@ -123,17 +123,17 @@ def gather(block, lane, rows, a, b, offset, weight):
         block[MASS_B + lane] = rows[b + 7]
 
 
-def scatter(block, filled, own_a, own_b, force_a, force_b):
-    """Add the forces of the filled lanes to the chunk's particles, in eights: a force, and a moment."""
+def scatter(block, filled, place, local_a, local_b, load):
+    """Add the forces of the filled lanes to the chunk's particles and its halo, in eights: a force, and a moment."""
     for lane in range(filled):
-        a = 8 * int(own_a[lane])
-        b = 8 * int(own_b[lane])
+        a = 8 * int(local_a[place[lane]])
+        b = 8 * int(local_b[place[lane]])
         at = 4 * lane
-        add_fours(force_a, a, force_a, a, block, FORCE + at)
-        subtract_fours(force_b, b, force_b, b, block, FORCE + at)
+        add_fours(load, a, load, a, block, FORCE + at)
+        subtract_fours(load, b, load, b, block, FORCE + at)
         if ROTATION:
-            add_fours(force_a, a + 4, force_a, a + 4, block, MOMENT_A + at)
-            add_fours(force_b, b + 4, force_b, b + 4, block, MOMENT_B + at)
+            add_fours(load, a + 4, load, a + 4, block, MOMENT_A + at)
+            add_fours(load, b + 4, load, b + 4, block, MOMENT_B + at)
 
 
 def lane_geometry(block, lane, time_step):
@@ -302,7 +302,7 @@ def bond_block(block, table, row, time_step):
 
 
 def break_bonds(
-    block, filled, place, now, pair_a, pair_bond, touching, history, base, size, step, breaking, utilisation, record
+    block, filled, place, now, pair_a, pair_bond, touching, history, step, breaking, utilisation, record
 ):  # fmt: skip
     """Break the overstressed bonds of a block, or note how much they are overstressed; no force is left in the lane.
 
@@ -313,11 +313,10 @@ def break_bonds(
     for lane in range(filled):
         p = place[lane]
         a = int(pair_a[p])
-        mine = base <= a < base + size
         number = int(pair_bond[p])
         tension = block[TENSION + lane]
         cut = block[CUT + lane]
-        if breaking != 1.0 and mine:
+        if RELAX:
             utilisation[number - 1, 0] = tension
             utilisation[number - 1, 1] = cut
         if tension >= breaking or cut >= breaking:
@@ -336,13 +335,12 @@ def break_bonds(
             dy = block[APART + at + 1]
             dz = block[APART + at + 2]
             distance = math.sqrt(dx * dx + dy * dy + dz * dz)
-            if mine:
-                record[number - 1, STATE] = 1 if tension >= cut else 2
-                record[number - 1, STEP] = step
-                share = 0.5 - 0.5 * block[APART + at + 3] / distance
-                record[number - 1, PLACE] = now[a, 0] + share * dx
-                record[number - 1, PLACE + 1] = now[a, 1] + share * dy
-                record[number - 1, PLACE + 2] = now[a, 2] + share * dz
+            record[number - 1, STATE] = 1 if tension >= cut else 2
+            record[number - 1, STEP] = step
+            share = 0.5 - 0.5 * block[APART + at + 3] / distance
+            record[number - 1, PLACE] = now[a, 0] + share * dx
+            record[number - 1, PLACE + 1] = now[a, 1] + share * dy
+            record[number - 1, PLACE + 2] = now[a, 2] + share * dz
             along = block[FORCE + at] * dx + block[FORCE + at + 1] * dy + block[FORCE + at + 2] * dz
             contacts += block[SUM + at + 3]
             thrust += block[SUM + at + 3] * abs(along) / distance
@@ -402,49 +400,41 @@ def touching_pairs(rows, pair_a, pair_b, pair_bond, touching, history, table, pl
 
 
 def pairs(
-    first, last, base, size, now, pair_a, pair_b, pair_bond, touching, history, table, bond_table, bond_scale,
-    time_step, step, breaking, force, energy, utilisation, record,
+    first, last, now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history, table, bond_table, bond_scale,
+    time_step, step, breaking, force, halo_force, energy, utilisation, record,
 ):  # fmt: skip
     """As `geodem.kernels.pairs.pairs`, without the energy account."""
     # slices, so that no index can be negative, and rows flat, so that their width is a constant
     rows = now.reshape(now.size)
     pair_a = pair_a[first:last]
     pair_b = pair_b[first:last]
+    local_a = local_a[first:last]
+    local_b = local_b[first:last]
     touching = touching[first:last]
     history = history[first:last]
     if BONDS:
         pair_bond = pair_bond[first:last]
     block = np.empty(SIZE)
     place = np.empty(last - first + LANES, np.uint32)
-    own_a = np.empty(LANES, np.uint32)
-    own_b = np.empty(LANES, np.uint32)
     row = np.zeros(LANES, np.uint32)
-    # apart for a and b: a sum that waits for the last one waits half as often; the last is for other chunks' particles
-    force_a = np.zeros(8 * (size + 1))
-    force_b = np.zeros(8 * (size + 1))
-    others = np.uint32(size)
+    load = np.zeros(8 * (len(force) + len(halo_force)))
     contacts = 0.0
     thrust = 0.0
     for kind in range(0 if BONDS else 1, 2):
         if BONDS and kind == 0:
-            count = bonded_pairs(pair_bond, place)
+            found = bonded_pairs(pair_bond, place)
         else:
-            count = touching_pairs(rows, pair_a, pair_b, pair_bond, touching, history, table, place)
+            found = touching_pairs(rows, pair_a, pair_b, pair_bond, touching, history, table, place)
         # lanes that are not filled repeat the last pair, without weight
         for lane in range(LANES):
-            place[count + lane] = place[max(count - 1, 0)]
-        for begin in range(0, count, LANES):
-            filled = min(LANES, count - begin)
+            place[found + lane] = place[max(found - 1, 0)]
+        for begin in range(0, found, LANES):
+            filled = min(LANES, found - begin)
             here = place[begin : begin + LANES]
             for lane in range(LANES):
                 p = int(here[lane])
                 a = int(pair_a[p])
                 b = int(pair_b[p])
-                # what is not the chunk's is a very large number without sign
-                local_a = min(np.uint32(a - base), others)
-                local_b = min(np.uint32(b - base), others)
-                own_a[lane] = local_a
-                own_b[lane] = local_b
                 gather(
                     block,
                     lane,
@@ -452,13 +442,13 @@ def pairs(
                     a,
                     b,
                     history[p, OFFSET] if BONDS else 0.0,
-                    1.0 if local_a < others else 0.0,
+                    1.0,
                 )
                 if not ONE_MATERIAL:
                     row[lane] = int(rows[12 * a + 11]) * MATERIALS + int(rows[12 * b + 11])
                 if BONDS and kind == 0:
                     gather_bond(block, lane, history, p)
-                    block[SCALE + lane] = bond_scale[pair_bond[p] - 1]
+                    block[SCALE + lane] = bond_scale[pair_bond[p] - 1] if SCALED else 1.0
                 else:
                     gather_contact(block, lane, history, p)
                     if ASKS_APPROACH:
@@ -472,8 +462,7 @@ def pairs(
                 for lane in range(filled):
                     scatter_bond(block, lane, history, int(here[lane]))
                 broken, loosened = break_bonds(
-                    block, filled, here, now, pair_a, pair_bond, touching, history, base, size, step, breaking,
-                    utilisation, record,
+                    block, filled, here, now, pair_a, pair_bond, touching, history, step, breaking, utilisation, record,
                 )  # fmt: skip
                 contacts -= broken
                 thrust -= loosened
@@ -488,11 +477,17 @@ def pairs(
                         contacts -= block[SUM + 4 * lane + 3]
             contacts += count_here
             thrust += thrust_here
-            scatter(block, filled, own_a, own_b, force_a, force_b)
+            scatter(block, filled, here, local_a, local_b, load)
+    size = len(force)
     for k in range(size):
         for axis in range(3):
-            force[k, axis] += force_a[8 * k + axis] + force_b[8 * k + axis]
-            force[k, 3 + axis] += force_a[8 * k + 4 + axis] + force_b[8 * k + 4 + axis]
+            force[k, axis] = load[8 * k + axis]
+            force[k, 3 + axis] = load[8 * k + 4 + axis]
+    for k in range(len(halo_force)):
+        at = 8 * (size + k)
+        for axis in range(3):
+            halo_force[k, axis] = load[at + axis]
+            halo_force[k, 3 + axis] = load[at + 4 + axis]
     return contacts, thrust
 
 

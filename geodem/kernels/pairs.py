@@ -9,8 +9,9 @@ is measured from the distance at bonding, so that neither a bond nor what is lef
 arms (d + ra - rb)/2 and (d + rb - ra)/2 add up to d, so that a rigid rotation of the pair is no slip. Forces are
 those on a: -normal n + shear. In 2D a law is called in the contact's own frame: x is along t = (-ny, nx).
 
-A chunk owns a range of particles. It adds up the force on its own particles only: a pair across two chunks stands
-in both, and both compute it from the same numbers in the same order, so the bits never depend on threads.
+A chunk owns a range of particles and the pairs that are listed under them. What a pair across two chunks does to the
+other chunk's particle is added up in the halo of its own (`geodem.neighbors.halo`), so the bits never depend on
+threads.
 """
 
 from __future__ import annotations
@@ -29,6 +30,8 @@ ONE_MATERIAL = False
 MATERIALS = 1
 MOMENT = True
 ENERGY = True
+RELAX = True
+SCALED = True  # some bond is stronger or weaker than its material
 FREEDOMS = 6  # (3)
 VISCOUS_CONTACT = True
 VISCOUS_BOND = True
@@ -151,42 +154,41 @@ def account(
     return lost, heat
 
 
-def pairs(
-    first, last, base, size, now, pair_a, pair_b, pair_bond, touching, history, table, bond_table, bond_scale,
-    time_step, step, breaking, force, energy, utilisation, record,
+def range_of_pairs(
+    first, last, now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history, table, bond_table, bond_scale,
+    time_step, step, breaking, force, energy, utilisation, record, fresh,
 ):  # fmt: skip
-    """Forces of pairs `first` to `last` of the chunk that owns `size` particles from `base`.
+    """As `pairs`, but a bond that breaks is only noted in fresh (p,), and marked by a negative number in pair_bond.
 
-    now (n, 8 or 12): rows; pair_a, pair_b, pair_bond, touching (p,), history (p, H): the pair list; table,
-    bond_table: parameters by pair of materials; bond_scale (b,); breaking: utilisation at which bonds break,
-    1 but in statics, where utilisation (b, 2) is noted; force (size + 1, 3 or 6), energy (4,): added to; record
-    (b, 5 or 6).
+    A pair that is so marked has broken in this step: it is computed as a contact.
 
     Returns
     -------
     contacts, thrust : float
-        Number of pairs that carry force and the sum of their normal forces [N]; a pair across chunks counts where its
-        first particle is.
+    broken : int
+        Numbers in fresh.
     """
     contacts = 0.0
     thrust = 0.0
+    overstressed = 0
     # slices, so that no index can be negative, and flat rows, so that their width is a constant
     rows = now.reshape(now.size)
     loads = force.reshape(force.size)
     pair_a = pair_a[first:last]
     pair_b = pair_b[first:last]
+    local_a = local_a[first:last]
+    local_b = local_b[first:last]
     touching = touching[first:last]
     history = history[first:last]
     if BONDS:
         pair_bond = pair_bond[first:last]
-    others = np.uint32(size)
     far = len(rows) > FAR
+    # read once: the compiler cannot know that no force is written over them
+    common = contact_parameters(table, 0)
+    common_bond = bond_parameters(bond_table, 0) if BONDS else 0
     for p in range(last - first):
         if far:
             fetch_ahead(rows, pair_a, pair_b, p)
-        # what is not the chunk's is a very large number without sign, and goes to the last row
-        own_a = min(np.uint32(int(pair_a[p]) - base), others)
-        own_b = min(np.uint32(int(pair_b[p]) - base), others)
         a = WIDTH * int(pair_a[p])
         b = WIDTH * int(pair_b[p])
         dx = rows[b] - rows[a]
@@ -207,12 +209,12 @@ def pairs(
         touched = touching[p] != 0
         touch = square < zero * zero
         if REACH and touched:
-            limit = zero + contact_reach(contact_parameters(table, row), radius_a, radius_b)
+            parameters = common if ONE_MATERIAL else contact_parameters(table, row)
+            limit = zero + contact_reach(parameters, radius_a, radius_b)
             touch = square < limit * limit
-        # a pair across chunks counts where its first particle is
-        mine = own_a < others
-        # one that parted has no force, but an account to close
-        if touch or number > 0 or (ENERGY and touched):
+        # bonded first: where bonds swing about their length, nobody can guess what touches; a contact that parted has
+        # no force, but an account to close
+        if number != 0 or touch or (ENERGY and touched):
             distance = math.sqrt(square)
             inverse = 1.0 / distance
             nx = dx * inverse
@@ -276,51 +278,54 @@ def pairs(
             drag_y = 0.0
             drag_z = 0.0
             stored = 0.0
-            broken = 0
-            bonded = number
             left = 1.0
-            held = transport_contact(load_contact(history, p), nx, ny, nz, turn_x, turn_y, turn_z, spin)
+            held = load_contact(history, p)
+            if not REPLACES or number >= 0:
+                # what a bond has just handed over is turned already
+                held = transport_contact(held, nx, ny, nz, turn_x, turn_y, turn_z, spin)
             if BONDS and number > 0:
-                strength = bond_parameters(bond_table, row)
+                strength = common_bond if ONE_MATERIAL else bond_parameters(bond_table, row)
                 kept = transport_bond(load_bond(history, p), nx, ny, nz, turn_x, turn_y, turn_z, spin)
                 (
                     normal, shear_x, shear_y, shear_z, twisting, bending_x, bending_y, bending_z,
                     kept, tension, cut,
                 ) = bond(
                     strength, overlap, approach, slip_x, slip_y, slip_z, twist, bend_x, bend_y, bend_z,
-                    radius_a, radius_b, distance, mass_a, mass_b, time_step, bond_scale[number - 1], kept,
+                    radius_a, radius_b, distance, mass_a, mass_b, time_step,
+                    bond_scale[number - 1] if SCALED else 1.0, kept,
                 )  # fmt: skip
                 store_bond(history, p, kept)
-                if breaking != 1.0 and mine:
+                if RELAX:
                     utilisation[number - 1, 0] = tension
                     utilisation[number - 1, 1] = cut
                 if tension >= breaking or cut >= breaking:
-                    broken = 1 if tension >= cut else 2
-                    number = 0
-                    pair_bond[p] = 0
-                    if REPLACES:
+                    pair_bond[p] = -number
+                    if REPLACES and touch:
                         # what the bond carried in shear is handed over; it has taken this step's slip already
-                        held = with_shear(held, shear_x, shear_y, shear_z)
-                        left = 0.0
-                    normal = 0.0
-                    shear_x = 0.0
-                    shear_y = 0.0
-                    shear_z = 0.0
-                    twisting = 0.0
-                    bending_x = 0.0
-                    bending_y = 0.0
-                    bending_z = 0.0
-                if number > 0:
-                    if VISCOUS_BOND:
-                        damp, drag_x, drag_y, drag_z = bond_viscous(
-                            strength, overlap, approach, slip_x, slip_y, slip_z, radius_a, radius_b, distance,
-                            mass_a, mass_b, time_step,
-                        )  # fmt: skip
-                    if ENERGY:
-                        stored = bond_energy(strength, overlap, radius_a, radius_b, distance, kept)
-            if touch and not (REPLACES and number > 0):
-                parameters = contact_parameters(table, row)
-                step_in = approach if touched or bonded > 0 else overlap
+                        store_contact(history, p, with_shear(held, shear_x, shear_y, shear_z))
+                    record[number - 1, STATE] = 1 if tension >= cut else 2
+                    record[number - 1, STEP] = step
+                    record[number - 1, PLACE] = rows[a] + arm_a * nx
+                    record[number - 1, PLACE + 1] = rows[a + 1] + arm_a * ny
+                    if SPACE:
+                        record[number - 1, PLACE + 2] = rows[a + 2] + arm_a * nz
+                    fresh[overstressed] = p
+                    overstressed += 1
+                    continue
+                if VISCOUS_BOND:
+                    damp, drag_x, drag_y, drag_z = bond_viscous(
+                        strength, overlap, approach, slip_x, slip_y, slip_z, radius_a, radius_b, distance,
+                        mass_a, mass_b, time_step,
+                    )  # fmt: skip
+                if ENERGY:
+                    stored = bond_energy(strength, overlap, radius_a, radius_b, distance, kept)
+            if BONDS and number < 0:
+                pair_bond[p] = 0
+                if REPLACES:
+                    left = 0.0
+            if not (REPLACES and number > 0) and touch:
+                parameters = common if ONE_MATERIAL else contact_parameters(table, row)
+                step_in = approach if touched or number != 0 else overlap
                 (
                     normal_c, shear_cx, shear_cy, shear_cz, twisting_c, bending_cx, bending_cy, bending_cz, held,
                 ) = contact(
@@ -352,37 +357,28 @@ def pairs(
             elif touched:
                 touching[p] = 0
                 store_contact(history, p, no_contact())
-                if BONDS and ENERGY and bonded == 0:
+                if BONDS and ENERGY and number == 0:
                     history[p, OFFSET] = 0.0
             if ENERGY:
                 # a contact ends where its surfaces part, wherever they are at the end of the step
-                ends = overlap if touch or bonded > 0 or REACH else 0.0
+                ends = overlap if touch or number != 0 or REACH else 0.0
                 lost, heat = account(
                     history, p, stored, approach, slip_x, slip_y, slip_z, twist,
                     bend_x, bend_y, bend_z, ends, normal, shear_x, shear_y, shear_z, twisting, bending_x,
                     bending_y, bending_z, damp, drag_x, drag_y, drag_z,
                 )  # fmt: skip
-                if not touch and number == 0:
+                if not touch and number <= 0:
                     # the next touch begins without overlap
                     history[p, STORED + 6] = 0.0
-                share = 1.0 if mine else 0.0
-                energy[ELASTIC] += share * stored
-                energy[VISCOUS] += share * heat
-                if broken > 0:
-                    energy[BROKEN] += share * lost
-                    if mine:
-                        record[bonded - 1, RELEASED] = lost
+                energy[ELASTIC] += stored
+                energy[VISCOUS] += heat
+                if BONDS and number < 0:
+                    energy[BROKEN] += lost
+                    record[-number - 1, RELEASED] = lost
                 else:
-                    energy[FRICTION] += share * lost
-            if BONDS and broken > 0 and mine:
-                record[bonded - 1, STATE] = broken
-                record[bonded - 1, STEP] = step
-                record[bonded - 1, PLACE] = rows[a] + arm_a * nx
-                record[bonded - 1, PLACE + 1] = rows[a + 1] + arm_a * ny
-                if SPACE:
-                    record[bonded - 1, PLACE + 2] = rows[a + 2] + arm_a * nz
-            i = FREEDOMS * int(own_a)
-            j = FREEDOMS * int(own_b)
+                    energy[FRICTION] += lost
+            i = FREEDOMS * int(local_a[p])
+            j = FREEDOMS * int(local_b[p])
             normal += damp
             shear_x += drag_x
             if SPACE:
@@ -419,13 +415,55 @@ def pairs(
                 loads[j] -= fx
                 loads[j + 1] -= fy
                 loads[j + 2] += arm_b * shear_x - mz
-            weight = 1.0 if mine and (touch or bonded > 0) else 0.0
-            contacts += weight
-            thrust += weight * abs(normal)
+            if touch or number != 0:
+                contacts += 1.0
+                thrust += abs(normal)
         elif touched:
             touching[p] = 0
             store_contact(history, p, no_contact())
             if BONDS and history[p, OFFSET] > 0.0:
                 # apart: from now on the pair touches where its surfaces do
                 history[p, OFFSET] = 0.0
+    return contacts, thrust, overstressed
+
+
+def pairs(
+    first, last, now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history, table, bond_table, bond_scale,
+    time_step, step, breaking, force, halo_force, energy, utilisation, record,
+):  # fmt: skip
+    """Forces of the pairs `first` to `last` of a chunk.
+
+    now (n, 8 or 12): rows; pair_a, pair_b, local_a, local_b, pair_bond, touching (p,), history (p, H): the pair list
+    and its halo; table, bond_table: parameters by pair of materials; bond_scale (b,); breaking: utilisation at which
+    bonds break, 1 but in statics, where utilisation (b, 2) is noted; force (own
+    particles, 3 or 6), halo_force (halo, 3 or 6): overwritten; energy (4,): added to; record (b, 5 or 6).
+
+    Returns
+    -------
+    contacts, thrust : float
+        Number of pairs that carry force and the sum of their normal forces [N].
+    """
+    load = np.zeros((len(force) + len(halo_force), FREEDOMS))
+    fresh = np.empty(last - first if BONDS else 0, np.uint32)
+    contacts, thrust, broken = range_of_pairs(
+        first, last, now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history, table, bond_table, bond_scale,
+        time_step, step, breaking, load, energy, utilisation, record, fresh,
+    )  # fmt: skip
+    if BONDS:
+        # what broke is looked at once more as a contact: so the loop over intact bonds has no room for it
+        for k in range(broken):
+            p = first + int(fresh[k])
+            more, pressed, _ = range_of_pairs(
+                p, p + 1, now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history, table, bond_table,
+                bond_scale, time_step, step, breaking, load, energy, utilisation, record, fresh[:0],
+            )  # fmt: skip
+            contacts += more
+            thrust += pressed
+    size = len(force)
+    for k in range(size):
+        for axis in range(FREEDOMS):
+            force[k, axis] = load[k, axis]
+    for k in range(len(halo_force)):
+        for axis in range(FREEDOMS):
+            halo_force[k, axis] = load[size + k, axis]
     return contacts, thrust

@@ -38,6 +38,8 @@ class Features:
         Some contact has friction, so that shear is carried and kept.
     contact_viscous, bond_viscous : bool
         Some viscosity is not zero.
+    bonds_scaled : bool
+        Some bond is stronger or weaker than its material.
     rotation : bool
         Some particle may turn.
     orientation : bool
@@ -62,6 +64,7 @@ class Features:
     shear: bool = True
     contact_viscous: bool = False
     bond_viscous: bool = False
+    bonds_scaled: bool = True
     rotation: bool = True
     orientation: bool = False
     gravity: bool = True
@@ -115,7 +118,7 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
     adapters += [*fours.texts(), source(pairs.fetch_ahead)]
     loops: list[Callable[..., Any]] = []
     if not blocked:
-        loops += [pairs.account, pairs.pairs]
+        loops += [pairs.account, pairs.range_of_pairs, pairs.pairs]
     if features.walls:
         law_texts, more = wall_adapters(
             contact, dimension=features.dimension, layout=layout, viscous=features.contact_viscous
@@ -134,7 +137,15 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
         loops += sleep.FUNCTIONS
     else:
         adapters += ["sleep_and_wake = None"]
-    loops += [motion.direction, motion.turn, motion.move, steps.step_chunk, steps.advance]
+    loops += [
+        motion.direction,
+        motion.turn,
+        motion.move,
+        steps.watched,
+        steps.chunk_forces,
+        steps.chunk_motion,
+    ]
+    loops.append(steps.advance)
     return compile_kernel(
         loops,
         _constants(features, contact, bond),
@@ -167,6 +178,7 @@ def _constants(features: Features, contact: ModuleType, bond: ModuleType | None)
         "MATERIALS": features.materials,
         "MOMENT": contact.MOMENT or (bond is not None and bond.MOMENT),
         "ENERGY": features.energy,
+        "SCALED": features.bonds_scaled,
         "VISCOUS_CONTACT": features.contact_viscous,
         "VISCOUS_BOND": features.bond_viscous,
         "OFFSET": layout.offset or 0,

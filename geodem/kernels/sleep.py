@@ -2,8 +2,8 @@
 
 Serial, and only where a scene asks for it; compiled in a generated module like `geodem.kernels.pairs`. A chunk falls
 asleep when it and all chunks that share pairs with it have been slow for some steps, and no wall that moves is near.
-It wakes when one of those chunks gets fast. While it sleeps, pairs with its neighbours are followed by the
-neighbours alone; when it wakes it takes over what they remember.
+It wakes when one of those chunks gets fast. While it sleeps beside one that is awake, the pairs that it lists are
+computed all the same, for the other's sake.
 """
 
 from __future__ import annotations
@@ -34,23 +34,6 @@ def near_moving_wall(chunk, wall_start, wall_primitive, body, bodies):
     return False
 
 
-def take_over(chunk, chunk_size, pair_start, pair_a, pair_b, pair_bond, touching, history, asleep):
-    """Copy what awake neighbours remember of the pairs across to the pairs of a chunk that slept."""
-    for p in range(pair_start[chunk], pair_start[chunk + 1]):
-        other = int(pair_a[p]) // chunk_size
-        if other == chunk:
-            other = int(pair_b[p]) // chunk_size
-        if other == chunk or asleep[other] != 0:
-            continue
-        for q in range(pair_start[other], pair_start[other + 1]):
-            if pair_a[q] == pair_a[p] and pair_b[q] == pair_b[p]:
-                pair_bond[p] = pair_bond[q]
-                touching[p] = touching[q]
-                for column in range(history.shape[1]):
-                    history[p, column] = history[q, column]
-                break
-
-
 def rest(chunk, chunk_size, rows, present, sums):
     """A chunk falls asleep: its particles stand still, in both sets of rows."""
     base = chunk * chunk_size
@@ -71,7 +54,7 @@ def rest(chunk, chunk_size, rows, present, sums):
 
 def sleep_and_wake(
     chunk_size, rows, present, sums, asleep, quiet, neighbour_start, neighbour, sleep_speed, sleep_steps,
-    pair_start, pair_a, pair_b, pair_bond, touching, history, wall_start, wall_primitive, body, bodies,
+    wall_start, wall_primitive, body, bodies,
 ):  # fmt: skip
     """After a step from rows[present]: who falls asleep, who wakes."""
     chunks = len(asleep)
@@ -92,10 +75,9 @@ def sleep_and_wake(
             for k in range(neighbour_start[chunk], neighbour_start[chunk + 1]):
                 called = called or (asleep[neighbour[k]] == 0 and quiet[neighbour[k]] == 0)
             if called:
-                take_over(chunk, chunk_size, pair_start, pair_a, pair_b, pair_bond, touching, history, asleep)
                 asleep[chunk] = 0
                 quiet[chunk] = 0
 
 
-FUNCTIONS = (near_moving_wall, take_over, rest, sleep_and_wake)
+FUNCTIONS = (near_moving_wall, rest, sleep_and_wake)
 """Functions to compile, callees first."""

@@ -36,31 +36,33 @@ SLEEP = True
 FREEDOMS = 6
 
 
-def step_chunk(
-    chunk, chunk_size, now, following, pair_start, pair_a, pair_b, pair_bond, touching, history,
-    table, bond_table, bond_scale, inverse_mass, inverse_inertia, gravity, applied, held, anchor_of, anchors, angle,
-    wall_start, wall_particle, wall_primitive, wall_touching, wall_history, wall_normal, wall_geometry, wall_feature,
-    shape, kind, body, vertex, bodies, wall_table, wall_sums,
-    time_step, step, breaking, local_damping, global_damping, old_force, utilisation, record, sums, output, keep_force,
+def watched(chunk, neighbour_start, neighbour, asleep):
+    """Whether a chunk is awake that pairs listed by this one act on."""
+    for k in range(neighbour_start[chunk], neighbour_start[chunk + 1]):
+        # pairs are listed under the lower row
+        if neighbour[k] > chunk and asleep[neighbour[k]] == 0:
+            return True
+    return False
+
+
+def chunk_forces(
+    chunk, chunk_size, now, pair_start, pair_a, pair_b, local_a, local_b, pair_bond, touching, history,
+    table, bond_table, bond_scale, halo_start, time_step, step, breaking, utilisation, record, sums,
+    force, halo_force, awake,
 ):  # fmt: skip
-    """One step of one chunk: forces of its pairs and walls, then its motion."""
+    """Forces of one chunk's pairs: on its own particles, where it is awake, and on those in its halo."""
     base = chunk * chunk_size
     size = min(chunk_size, len(now) - base)
-    # the last row is for what belongs to other chunks' particles
-    force = np.zeros((size + 1, FREEDOMS))
+    own = force[base : base + size]
+    if SLEEP and not awake:
+        # what it felt last is kept
+        own = np.empty((size, FREEDOMS))
     energy = np.zeros(4)
     contacts, thrust = pairs(
-        pair_start[chunk], pair_start[chunk + 1], base, size, now, pair_a, pair_b, pair_bond, touching, history,
-        table, bond_table, bond_scale, time_step, step, breaking, force, energy, utilisation, record,
+        pair_start[chunk], pair_start[chunk + 1], now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history,
+        table, bond_table, bond_scale, time_step, step, breaking, own,
+        halo_force[halo_start[chunk] : halo_start[chunk + 1]], energy, utilisation, record,
     )  # fmt: skip
-    if WALLS:
-        wall_contacts, wall_thrust = wall_forces(
-            now, base, wall_start[chunk], wall_start[chunk + 1], wall_particle, wall_primitive, wall_touching,
-            wall_history, wall_normal, wall_geometry, wall_feature, shape, kind, body, vertex, bodies, wall_table,
-            time_step, force, energy, wall_sums[chunk],
-        )  # fmt: skip
-        contacts += wall_contacts
-        thrust += wall_thrust
     sums[CONTACTS] = contacts
     sums[THRUST] = thrust
     if ENERGY:
@@ -68,29 +70,59 @@ def step_chunk(
         sums[TOTAL_VISCOUS] += energy[1]
         sums[TOTAL_BROKEN] += energy[2]
         sums[TOTAL_ELASTIC] = energy[3]
+
+
+def chunk_motion(
+    chunk, chunk_size, now, following, into, source, target, inverse_mass, inverse_inertia, gravity, applied, held,
+    anchor_of, anchors, angle, wall_start, wall_particle, wall_primitive, wall_touching, wall_history, wall_normal,
+    wall_geometry, wall_feature, shape, kind, body, vertex, bodies, wall_table, wall_sums, time_step, local_damping,
+    global_damping, old_force, sums, force, halo_force,
+):  # fmt: skip
+    """Take over what other chunks added up for this one's particles, add the forces of walls, and move them."""
+    base = chunk * chunk_size
+    size = min(chunk_size, len(now) - base)
+    force = force[base : base + size]
+    for k in range(into[chunk], into[chunk + 1]):
+        place = source[k]
+        particle = target[k]
+        for axis in range(FREEDOMS):
+            force[particle, axis] += halo_force[place, axis]
+    if WALLS:
+        energy = np.zeros(4)
+        contacts, thrust = wall_forces(
+            now, base, wall_start[chunk], wall_start[chunk + 1], wall_particle, wall_primitive, wall_touching,
+            wall_history, wall_normal, wall_geometry, wall_feature, shape, kind, body, vertex, bodies, wall_table,
+            time_step, force, energy, wall_sums[chunk],
+        )  # fmt: skip
+        sums[CONTACTS] += contacts
+        sums[THRUST] += thrust
+        if ENERGY:
+            sums[TOTAL_FRICTION] += energy[0]
+            sums[TOTAL_VISCOUS] += energy[1]
+            sums[TOTAL_BROKEN] += energy[2]
+            sums[TOTAL_ELASTIC] += energy[3]
     move(
         base, size, now, following, force, inverse_mass, inverse_inertia, gravity, applied, held, anchor_of, anchors,
         angle, time_step, local_damping, global_damping, old_force, sums,
     )  # fmt: skip
-    if keep_force:
-        for k in range(size):
-            for axis in range(FREEDOMS):
-                output[base + k, axis] = force[k, axis]
 
 
 def advance(
-    steps, rows, phase, chunk_size, pair_start, pair_a, pair_b, pair_bond, touching, history,
-    table, bond_table, bond_scale, inverse_mass, inverse_inertia, gravity, applied, held, anchor_of, anchors, angle,
+    teams, steps, rows, phase, chunk_size, pair_start, pair_a, pair_b, local_a, local_b, pair_bond, touching, history,
+    halo_start, into, source, target, lowest, table, bond_table, bond_scale, inverse_mass, inverse_inertia, gravity,
+    applied, held, anchor_of, anchors, angle,
     wall_start, wall_particle, wall_primitive, wall_touching, wall_history, wall_normal, wall_geometry, wall_feature,
     shape, kind, body, vertex, bodies, wall_table, wall_sums,
     time_step, first_step, breaking, local_damping, global_damping, damping_ratio, old_force, utilisation, record, sums,
-    output, allowance, asleep, quiet, neighbour_start, neighbour, sleep_speed, sleep_steps,
+    force, halo_force, allowance, asleep, quiet, neighbour_start, neighbour, sleep_speed, sleep_steps,
 ):  # fmt: skip
     """Up to `steps` steps; fewer where particles may have moved farther than the pair list allows.
 
-    rows (2, n, 8 or 12), phase: which of the two holds the present; sums (chunks, 17); allowance [m]: how far particles
-    and walls may still move together; global_damping, damping_ratio: where RELAX, the damping of the first step and its
-    share of the critical one of the lowest frequency in motion.
+    teams: parts of the chunks that are computed at the same time, one a thread; no bit depends on their number.
+    rows (2, n, 8 or 12), phase: which of the two holds the present; local_a to target: see `geodem.neighbors.halo`;
+    sums (chunks, 17); force (n, 3 or 6): resultants of the last step, halo_force (h, 3 or 6); allowance [m]: how far
+    particles and walls may still move together; global_damping, damping_ratio: where RELAX, the damping of the first
+    step and its share of the critical one of the lowest frequency in motion.
     Sleep: asleep (chunks,) uint8, quiet (chunks,) steps that a chunk and all around it have been slower than
     sleep_speed; neighbour_start, neighbour: the chunks around each one.
 
@@ -110,18 +142,37 @@ def advance(
         present = (phase + done) & 1
         now = rows[present]
         following = rows[1 - present]
-        keep_force = done == steps - 1
-        for chunk in prange(chunks):
-            if SLEEP and asleep[chunk] != 0:
-                continue
-            step_chunk(
-                chunk, chunk_size, now, following, pair_start, pair_a, pair_b, pair_bond, touching, history,
-                table, bond_table, bond_scale, inverse_mass, inverse_inertia, gravity, applied, held, anchor_of,
-                anchors, angle, wall_start, wall_particle, wall_primitive, wall_touching, wall_history, wall_normal,
-                wall_geometry, wall_feature, shape, kind, body, vertex, bodies, wall_table, wall_sums,
-                time_step, first_step + done, breaking, local_damping, global_damping, old_force, utilisation, record,
-                sums[chunk], output, keep_force,
-            )  # fmt: skip
+        # what a chunk takes over comes from chunks before it: where they are the same team's, its particles are moved
+        # at once, while they are in the cache
+        for team in prange(teams):
+            first = team * chunks // teams
+            for chunk in range(first, (team + 1) * chunks // teams):
+                awake = not SLEEP or asleep[chunk] == 0
+                if awake or watched(chunk, neighbour_start, neighbour, asleep):
+                    chunk_forces(
+                        chunk, chunk_size, now, pair_start, pair_a, pair_b, local_a, local_b, pair_bond, touching,
+                        history, table, bond_table, bond_scale, halo_start, time_step, first_step + done, breaking,
+                        utilisation, record, sums[chunk], force, halo_force, awake,
+                    )  # fmt: skip
+                if awake and lowest[chunk] >= first:
+                    chunk_motion(
+                        chunk, chunk_size, now, following, into, source, target, inverse_mass, inverse_inertia,
+                        gravity, applied, held, anchor_of, anchors, angle, wall_start, wall_particle, wall_primitive,
+                        wall_touching, wall_history, wall_normal, wall_geometry, wall_feature, shape, kind, body,
+                        vertex, bodies, wall_table, wall_sums, time_step, local_damping, global_damping, old_force,
+                        sums[chunk], force, halo_force,
+                    )  # fmt: skip
+        for team in prange(teams):
+            first = team * chunks // teams
+            for chunk in range(first, (team + 1) * chunks // teams):
+                if lowest[chunk] < first and not (SLEEP and asleep[chunk] != 0):
+                    chunk_motion(
+                        chunk, chunk_size, now, following, into, source, target, inverse_mass, inverse_inertia,
+                        gravity, applied, held, anchor_of, anchors, angle, wall_start, wall_particle, wall_primitive,
+                        wall_touching, wall_history, wall_normal, wall_geometry, wall_feature, shape, kind, body,
+                        vertex, bodies, wall_table, wall_sums, time_step, local_damping, global_damping, old_force,
+                        sums[chunk], force, halo_force,
+                    )  # fmt: skip
         fastest = 0.0
         for chunk in range(chunks):
             fastest = max(fastest, sums[chunk, FASTEST])
@@ -141,7 +192,7 @@ def advance(
         if SLEEP:
             sleep_and_wake(
                 chunk_size, rows, present, sums, asleep, quiet, neighbour_start, neighbour, sleep_speed, sleep_steps,
-                pair_start, pair_a, pair_b, pair_bond, touching, history, wall_start, wall_primitive, body, bodies,
+                wall_start, wall_primitive, body, bodies,
             )  # fmt: skip
         # not "moved > allowance": a motion that is no number must stop the run too
         if not (moved + carried <= allowance):

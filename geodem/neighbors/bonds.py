@@ -68,11 +68,9 @@ def _bond_list(
     _check_bonds(ordered)
     a = row_of[ordered[:, 0]]
     b = row_of[ordered[:, 1]]
-    across = a // chunk != b // chunk
-    bond = np.concatenate([np.arange(len(a)), np.flatnonzero(across)])
-    under = np.concatenate([np.minimum(a, b), np.maximum(a, b)[across]])
-    order = np.lexsort((bond, under))
-    bond = bond[order]
+    under = np.minimum(a, b)
+    bond = np.argsort(under, kind="stable")
+    under = under[bond]
     row = np.concatenate([[0], np.cumsum(np.bincount(under, minlength=len(rows)))])
     pairs = PairList.allocate(row, chunk=chunk, history_width=history_width)
     pairs.a[:] = a[bond]

@@ -30,8 +30,6 @@ def find_strays(rows, buffer, chunk, row, a, b, bond, touching, mapped, new_row_
                     continue
                 i = np.int64(a[pair])
                 j = np.int64(b[pair])
-                if min(i, j) < old:
-                    continue
                 if mapped:
                     i = new_row_of_old[i]
                     j = new_row_of_old[j]
@@ -48,8 +46,8 @@ def find_strays(rows, buffer, chunk, row, a, b, bond, touching, mapped, new_row_
         count[part] = place - row[first]
 
 
-def list_strays(old_chunk, old_row, stray, count, chunk, stray_row, listed):
-    """Strays under the rows that shall list them: stray_row (n + 2,), listed (2 * strays,) int32, overwritten.
+def list_strays(old_chunk, old_row, stray, count, stray_row, listed):
+    """Strays under the rows that shall list them: stray_row (n + 2,), listed (strays,) int32, overwritten.
 
     Row i lists listed[stray_row[i] : stray_row[i + 1]].
     """
@@ -64,10 +62,6 @@ def list_strays(old_chunk, old_row, stray, count, chunk, stray_row, listed):
                 if fill:
                     listed[stray_row[i + 1]] = j
                 stray_row[i + ahead] += 1
-                if i // chunk != j // chunk:
-                    if fill:
-                        listed[stray_row[j + 1]] = i
-                    stray_row[j + ahead] += 1
         if not fill:
             sum_up(stray_row)
 
@@ -82,11 +76,11 @@ def sum_up(row):
 
 def write(
     chunk, near, ids, row, a, b, bond, touching, history,
-    old_chunk, old_row, old_a, old_b, old_bond, old_touching, old_history, mapped, old_row_of_new, lost,
+    old_row, old_a, old_b, old_bond, old_touching, old_history, mapped, old_row_of_new, lost,
 ):  # fmt: skip
     """Pairs of every row, with what the old list knows of them: a, b, bond, touching, history, overwritten.
 
-    lost (chunks,) int64, overwritten: its sum is twice the number of old pairs that must be kept and are not listed.
+    lost (chunks,) int64, overwritten: its sum is the number of old pairs that must be kept and are not listed.
     """
     particles = len(row) - 1
     for part in prange((particles + chunk - 1) // chunk):
@@ -98,13 +92,9 @@ def write(
             own = old_row_of_new[particle] if mapped else particle
             own_first = old_row[own]
             own_last = old_row[own + 1]
-            own_part = own // old_chunk
             expected = own_first
-            # a pair counts two, half of it under each row where both list it
             for k in range(own_first, own_last):
-                theirs = np.int64(old_a[k]) ^ np.int64(old_b[k]) ^ own
-                held = (old_bond[k] > 0) | (old_touching[k] == 1)
-                missing += int(held) << int(theirs // old_chunk == own_part)
+                missing += int((old_bond[k] > 0) | (old_touching[k] == 1))
             for pair in range(row[particle], row[particle + 1]):
                 other = np.int64(listed[pair - before])
                 lower = ids[particle] < ids[other]
@@ -113,7 +103,7 @@ def write(
                 theirs = old_row_of_new[other] if mapped else other
                 begin = own_first
                 end = own_last
-                if theirs < own and theirs // old_chunk == own_part:
+                if theirs < own:
                     begin = old_row[theirs]
                     end = old_row[theirs + 1]
                 both = own ^ theirs
@@ -135,8 +125,7 @@ def write(
                         expected = known + 1
                     bond[pair] = old_bond[known]
                     touching[pair] = old_touching[known]
-                    held = (old_bond[known] > 0) | (old_touching[known] == 1)
-                    missing -= int(held) << int(other // chunk == part)
+                    missing -= int((old_bond[known] > 0) | (old_touching[known] == 1))
                     for k in range(HISTORY):
                         history[pair, k] = old_history[known, k]
                 else:

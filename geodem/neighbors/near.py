@@ -108,13 +108,13 @@ def find_in_chunk(
             hit = np.empty(2 * found + LANES, np.uint8)
             listed = np.empty(2 * found + 2 * LANES, np.int32)
         blocks = copy_spots(
-            first, begin, x_low, x_high, y_low, y_high, z_low, z_high, large,
+            begin, x_low, x_high, y_low, y_high, z_low, z_high, large,
             spot, order, index, found, place_of, row_of,
         )  # fmt: skip
         for particle in range(begin, stop):
             pairs = pick(
                 rows[particle, 0], rows[particle, 1], rows[particle, DIMENSION - 1],
-                spot_reach(rows[particle, RADIUS], half_buffer), particle, first,
+                spot_reach(rows[particle, RADIUS], half_buffer), particle,
                 place_of, row_of, blocks, hit, listed,
             )  # fmt: skip
             if len(stray_row) > 0:
@@ -188,12 +188,12 @@ def gather(
 
 
 def copy_spots(
-    first, begin, x_low, x_high, y_low, y_high, z_low, z_high, own, spot, order, index, found, place_of, row_of,
+    begin, x_low, x_high, y_low, y_high, z_low, z_high, own, spot, order, index, found, place_of, row_of,
 ):  # fmt: skip
     """Copy the candidates that matter side by side, for vector instructions.
 
-    Those that a reach of `own` from the box meets, but no rows from `first`, where the chunk begins, to `begin`, where
-    the group does: they list the pair themselves. place_of (DIMENSION + 1, m): centres and reaches, row_of (m,),
+    Those that a reach of `own` from the box meets, but no rows below `begin`, where the group begins: they list the
+    pair themselves. place_of (DIMENSION + 1, m): centres and reaches, row_of (m,),
     overwritten. The last block of LANES is filled with some that are near to nothing. Returns the number of blocks.
     """
     xs = place_of[0]
@@ -222,7 +222,7 @@ def copy_spots(
         reaches[kept] = theirs
         row = order[source]
         row_of[kept] = row
-        kept += np.uint64((square < both * both) & ((row >= begin) | (row < first)))
+        kept += np.uint64((square < both * both) & (row >= begin))
     found = np.int64(kept)
     blocks = (found + LANES - 1) // LANES
     for k in range(found, blocks * LANES):
@@ -234,7 +234,7 @@ def copy_spots(
     return blocks
 
 
-def pick(x, y, z, own, particle, first, place_of, row_of, blocks, hit, listed):
+def pick(x, y, z, own, particle, place_of, row_of, blocks, hit, listed):
     """Write the candidates that are near to a particle and that its row shall list; returns how many there are."""
     length = blocks * LANES
     xs = place_of[0, :length]
@@ -252,7 +252,7 @@ def pick(x, y, z, own, particle, first, place_of, row_of, blocks, hit, listed):
             square += dz * dz
         both = own + reaches[k]
         other = candidates[k]
-        hits[k] = (square < both * both) & ((other > particle) | (other < first))
+        hits[k] = (square < both * both) & (other > particle)
     # written as in `copy_spots`
     pairs = np.uint64(0)
     for k in range(length):

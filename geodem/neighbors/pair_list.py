@@ -11,10 +11,7 @@ from numpy.typing import NDArray
 
 @dataclass
 class PairList:
-    """Pairs of particles, listed under the rows of their particles.
-
-    Row i lists every near row j > i of its own chunk and every near row of any other chunk, in ascending order of
-    j. A pair across chunks is therefore listed twice, with the same `a`, `b`, bond and history.
+    """Pairs of particles, each listed once: row i lists every near row j > i, in ascending order of j.
 
     Attributes
     ----------
@@ -76,7 +73,7 @@ class PairList:
 
     @property
     def pairs(self) -> int:
-        """Number of listed pairs, p; pairs across chunks count twice."""
+        """Number of listed pairs, p."""
         return len(self.a)
 
     @property
@@ -92,16 +89,11 @@ class PairList:
         return np.repeat(np.arange(self.particles), np.diff(self.row))
 
     def lookup(self, first: int, second: int) -> int:
-        """Index of the pair of two rows as it is listed under `first`, or under `second` where only that lists it.
-
-        Returns -1 where the two rows are not a pair.
-        """
-        for under, other in ((first, second), (second, first)):
-            listed = slice(self.row[under], self.row[under + 1])
-            found = np.flatnonzero((self.a[listed] == other) | (self.b[listed] == other))
-            if len(found):
-                return int(self.row[under] + found[0])
-        return -1
+        """Index of the pair of two rows, -1 where they are not a pair."""
+        under, other = min(first, second), max(first, second)
+        listed = slice(self.row[under], self.row[under + 1])
+        found = np.flatnonzero((self.a[listed] == other) | (self.b[listed] == other))
+        return int(self.row[under] + found[0]) if len(found) else -1
 
 
 def chunks_of(particles: int, chunk: int) -> int:

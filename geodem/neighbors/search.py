@@ -137,8 +137,8 @@ def _find_strays(
     if pairs == 0:
         return _no_strays()
     row = np.zeros(len(rows) + 2, dtype=np.int64)
-    listed = np.empty(2 * pairs, dtype=np.int32)
-    kernel.list_strays(old.chunk, old.row, stray, count, chunk, row, listed)
+    listed = np.empty(pairs, dtype=np.int32)
+    kernel.list_strays(old.chunk, old.row, stray, count, row, listed)
     return _Strays(pairs, row, listed)
 
 
@@ -223,7 +223,7 @@ def rebuild(
         new = PairList.allocate(row, chunk=chunk, history_width=history_width)
         _writer(history_width).write(
             chunk, near, ids, row, new.a, new.b, new.bond, new.touching, new.history,
-            old.chunk, old.row, old.a, old.b, old.bond, old.touching, old.history, mapped, old_row_of_new, lost,
+            old.row, old.a, old.b, old.bond, old.touching, old.history, mapped, old_row_of_new, lost,
         )  # fmt: skip
         new.far = strays.pairs
         if ask_first or lost.sum() == 0:
