@@ -104,6 +104,7 @@ def scene_features(s: ParticleSimulation, *, energy: bool, orientation: bool) ->
         held=bool(a.held.any()),
         anchors=a.anchors is not None,
         walls=bool(a.walls),
+        facets=any(len(wall.segments) or len(wall.triangles) for wall in a.walls),
         walls_turn=any(bool(np.any(wall.spin)) for wall in a.walls),
         local_damping=s.local_damping > 0.0,
         global_damping=s.global_damping > 0.0,

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from geodem.assembly import Servo
-from geodem.boundaries.walls import plane
+from geodem.boundaries.walls import box, plane
 from geodem.builders.assembly_builder import AssemblyBuilder
 from geodem.errors import InputError
 from geodem.particle_simulation import ParticleSimulation
@@ -83,6 +84,32 @@ def test_same_motion_of_both_kernels():
 def test_bad_input_is_refused_before_the_first_step(options, place):
     with pytest.raises(InputError, match=place):
         ParticleSimulation(cloud(2, 2), **options)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_planes_move_particles_alike_whether_or_not_the_kernel_knows_facets(dimension):
+    found = []
+    for facets in (False, True):
+        builder = AssemblyBuilder(dimension, gravity=(0.0,) * (dimension - 1) + (-9.81,))
+        builder.add_material(
+            "grain", density=2000.0,
+            contact={"normal_stiffness": 1e6, "shear_stiffness": 5e5, "friction_coefficient": 0.5},
+        )  # fmt: skip
+        builder.add_particles(
+            [[0.09] * dimension, [0.15, 0.35, 0.3][:dimension]],
+            0.1,
+            "grain",
+            velocity=[0.5] * (dimension - 1) + [-1.0],
+        )
+        builder.add_wall(box("box", [0.0] * dimension, [0.5] * dimension))
+        simulation = ParticleSimulation(builder.build())
+        assert not simulation.features.facets
+        simulation.features = replace(simulation.features, facets=facets)
+        simulation.run(2000)
+        found.append(np.hstack([simulation.positions, simulation.velocities, simulation.spins]))
+        assert np.abs(simulation.wall_force("box")).max() > 0.0
+    # inlined or not, the compiler may round in another order
+    np.testing.assert_allclose(found[0], found[1], rtol=0.0, atol=1e-9)
 
 
 def test_step_above_the_critical_one_is_refused_with_the_number():

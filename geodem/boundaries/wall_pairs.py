@@ -182,6 +182,7 @@ def _kernel(dimension: int, walls_turn: bool) -> ModuleType:
         "SPACE": dimension == 3,
         "RADIUS": dimension if dimension == 3 else 2,
         "WALLS_TURN": walls_turn,
+        "FACETS": True,
     }
     return _jit.compile_kernel(SEARCH_FUNCTIONS, constants, parallel=True)
 

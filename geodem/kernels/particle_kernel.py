@@ -46,6 +46,8 @@ class Features:
         Angles or quaternions are kept.
     gravity, applied, held, anchors, walls : bool
     walls_turn : bool
+    facets : bool
+        Some wall has segments or triangles.
     local_damping, global_damping : bool
     relax : bool
         Mass-scaled adaptive relaxation instead of true motion.
@@ -73,6 +75,7 @@ class Features:
     anchors: bool = False
     walls: bool = False
     walls_turn: bool = False
+    facets: bool = True
     local_damping: bool = False
     global_damping: bool = False
     relax: bool = False
@@ -127,7 +130,11 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
         adapters += more
         if blocked:
             loops += [pairs.account]
-        loops += [*walls.FUNCTIONS, *wall_motion.MOTION_FUNCTIONS]
+        if features.facets:
+            loops += walls.FACET_FUNCTIONS
+        else:
+            adapters += [source(f) for f in walls.PLANE_FUNCTIONS]
+        loops += [walls.wall_forces, *wall_motion.MOTION_FUNCTIONS]
     else:
         adapters += ["wall_forces = None", "gather_wall_forces = None", "move_walls = None"]
     if blocked:
@@ -199,6 +206,7 @@ def _constants(features: Features, contact: ModuleType, bond: ModuleType | None)
         "ANCHORS": features.anchors,
         "WALLS": features.walls,
         "WALLS_TURN": features.walls_turn,
+        "FACETS": features.facets,
         "LOCAL": features.local_damping,
         "GLOBAL": features.global_damping,
         "RELAX": features.relax,

@@ -33,6 +33,7 @@ BODY_WIDTH = 35
 # What a scene may lack; set by the module that the kernel is compiled in.
 SPACE = True  # spheres in 3D, not discs in 2D
 WALLS_TURN = True  # a wall has spin or has turned
+FACETS = True  # a wall has segments or triangles, not planes alone
 
 # Features of a primitive: 0 its interior; 1, 2, 3 its edges (corners 0-1, 1-2, 2-0); 4, 5, 6 its corners.
 SAME_POINT = 1e-10  # points nearer to each other than this share of the particle's radius are one
@@ -143,12 +144,11 @@ def closest_on_wall(x, y, z, near, shape, kind, bodies, primitive, owner):
     shape (q, 9), kind (q,): the primitives in their bodies' frames; bodies (b, BODY_WIDTH). The distance to a plane is
     negative behind it.
     """
-    r = bodies[owner, BODY_ROTATION : BODY_ROTATION + 9]
-    s = shape[primitive]
     px = x - bodies[owner, BODY_CENTRE] - bodies[owner, BODY_DISPLACEMENT]
     py = y - bodies[owner, BODY_CENTRE + 1] - bodies[owner, BODY_DISPLACEMENT + 1]
     pz = z - bodies[owner, BODY_CENTRE + 2] - bodies[owner, BODY_DISPLACEMENT + 2]
     if WALLS_TURN:
+        r = bodies[owner, BODY_ROTATION : BODY_ROTATION + 9]
         tx = r[0] * px + r[3] * py + r[6] * pz
         ty = r[1] * px + r[4] * py + r[7] * pz
         pz = r[2] * px + r[5] * py + r[8] * pz
@@ -158,17 +158,24 @@ def closest_on_wall(x, y, z, near, shape, kind, bodies, primitive, owner):
     py += bodies[owner, BODY_CENTRE + 1]
     pz += bodies[owner, BODY_CENTRE + 2]
     nz = 0.0
-    if kind[primitive] == 0:
-        nx = -s[3]
-        ny = -s[4]
-        nz = -s[5]
-        distance = (s[0] - px) * nx + (s[1] - py) * ny + (s[2] - pz) * nz
+    if not FACETS or kind[primitive] == 0:
+        # no part of the row by itself: that would count references
+        nx = -shape[primitive, 3]
+        ny = -shape[primitive, 4]
+        nz = -shape[primitive, 5]
+        distance = (
+            (shape[primitive, 0] - px) * nx
+            + (shape[primitive, 1] - py) * ny
+            + (shape[primitive, 2] - pz) * nz
+        )
         feature = 0
     elif SPACE:
+        s = shape[primitive]
         nx, ny, nz, distance, feature = closest_on_triangle(
             px, py, pz, s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7], s[8], near
         )
     else:
+        s = shape[primitive]
         nx, ny, distance, feature = closest_on_segment(px, py, s[0], s[1], s[3], s[4], near)
     if WALLS_TURN:
         tx = r[0] * nx + r[1] * ny + r[2] * nz

@@ -34,6 +34,7 @@ from .wall_geometry import (
     BODY_DISPLACEMENT,
     BODY_SPIN,
     BODY_VELOCITY,
+    FACETS,
     GEOMETRY_FUNCTIONS,
     RESOLUTION_FUNCTIONS,
     RIGID,
@@ -94,7 +95,7 @@ def wall_contacts(
         feature[p] = which if within else -1
         if within:
             contacts += 1
-    if end - begin > 1:
+    if FACETS and end - begin > 1:
         if contacts > 1:
             drop_shared(begin, end, primitive, body, vertex, geometry, feature, near)
         move_history(begin, end, primitive, body, vertex, touching, history, normal, geometry, feature)
@@ -311,5 +312,8 @@ def wall_forces(
     return contacts, thrust
 
 
-FUNCTIONS = (*GEOMETRY_FUNCTIONS, *RESOLUTION_FUNCTIONS, wall_contacts, wall_forces)
-"""Functions to compile, callees first, after the adapters of the law and the energy account of pairs."""
+FACET_FUNCTIONS = (*GEOMETRY_FUNCTIONS, *RESOLUTION_FUNCTIONS, wall_contacts)
+"""Functions to compile before `wall_forces`, callees first, after the adapters of the law and the energy account."""
+
+PLANE_FUNCTIONS = (closest_on_wall, wall_contacts)
+"""Those that are called where all walls are planes; short enough to be inlined."""

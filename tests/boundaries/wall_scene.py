@@ -104,6 +104,7 @@ def kernel(dimension, turn, reach=0.0):
         **wall_geometry.WALL_CONSTANTS,
         "SPACE": space,
         "WALLS_TURN": turn,
+        "FACETS": True,
         "RADIUS": 3 if space else 2,
         "MATERIAL": 11 if space else 3,
         "SPIN": 8 if space else 6,
@@ -118,7 +119,13 @@ def kernel(dimension, turn, reach=0.0):
         "ELASTIC": pairs.ELASTIC,
         "REACH": reach,
     }
-    functions = (*STAND_IN, pairs.account, *walls.FUNCTIONS, *wall_motion.MOTION_FUNCTIONS)
+    functions = (
+        *STAND_IN,
+        pairs.account,
+        *walls.FACET_FUNCTIONS,
+        walls.wall_forces,
+        *wall_motion.MOTION_FUNCTIONS,
+    )
     return compile_kernel(functions, constants, parallel=False, finite=True)
 
 
