@@ -56,6 +56,9 @@ FIRST_FALL = 4
 SETTLED = 1e-4
 """The last solve moves nothing farther than this share of the way gone: small forces may yet bend a large body."""
 
+SHRINKING = 0.5
+"""Where forces do not fall, solves go on as long as each moves everything by less than this share of the last way."""
+
 FINE_STRAIN = 1e-3
 """Share of a distance between centres that links stretch or slip by in one step of the way to where a solve leads."""
 
@@ -215,7 +218,7 @@ class _Search:
             return 0
         # a servo's wall answers to every step: it is left to the relaxation
         most = 1 if any(wall.servo is not None for wall in s.assembly.walls) else MOST_SOLVES
-        solver, age, last, way, farthest = None, 0, math.inf, 0.0, math.inf
+        solver, age, last, way, farthest, before = None, 0, math.inf, 0.0, math.inf, math.inf
         solves = 0
         while True:
             # one step without inertia's answer: the resultants of where everything is now
@@ -224,7 +227,8 @@ class _Search:
             if solves == most or (ratio < tolerance and farthest <= SETTLED * way):
                 break
             if solver is not None and not ratio <= STALE * last:
-                if age == 1:
+                # slender bodies: the turning of their links stretches them, which the next solve takes back
+                if age == 1 and not farthest <= SHRINKING * before:
                     break
                 solver = None
             try:
@@ -237,7 +241,7 @@ class _Search:
                 motion = solver.solve(load, residual=RESIDUAL)
             except InputError:
                 break
-            farthest = self._go(motion, solver)
+            before, farthest = farthest, self._go(motion, solver)
             solves, age, last, way = solves + 1, age + 1, ratio, way + farthest
         self._stop()
         return solves

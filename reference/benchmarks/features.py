@@ -20,6 +20,8 @@ from geodem._jit import set_threads, threads_allowed
 from geodem.boundaries import walls
 from geodem.builders.assembly_builder import AssemblyBuilder
 from geodem.builders.packings import lattice
+from geodem.neighbors import spatial_order
+from geodem.particle_layout import chunk_size
 from geodem.particle_simulation import ParticleSimulation, Sleep
 
 from .. import ours, scenes
@@ -184,19 +186,26 @@ def first_calls(count: int, rounds: int) -> list[Row]:
 
 
 def sleeping_discs(count: int, sleep: Sleep | None) -> ParticleSimulation:
-    """Discs at rest on a lattice, and a tenth of all apart from them that shakes."""
-    across = max(4, round(np.sqrt(count)))
-    hot = max(1, round(ACTIVE * across))
-    pitch = 2.0 * RADIUS
+    """Discs of a lattice at rest, and a tenth of all, whole chunks with a ditch around them, that shakes."""
+    from scipy.spatial import cKDTree
+
+    across = max(2, round(np.sqrt(count)))
     row, column = np.divmod(np.arange(across * across), across)
-    x, y = pitch * column + RADIUS * (row % 2), np.sqrt(3.0) * RADIUS * row
-    y = np.where(row < hot, y - 10.0 * RADIUS, y)
+    positions = np.stack([2.0 * RADIUS * column + RADIUS * (row % 2), np.sqrt(3.0) * RADIUS * row], axis=1)
+    chunk = chunk_size(len(positions), False)
+    order = spatial_order(positions, np.full(len(positions), RADIUS))
+    shaking = np.zeros(len(positions), dtype=bool)
+    shaking[order[: max(1, round(ACTIVE * len(positions) / chunk)) * chunk]] = True
+    ditch = ~shaking & (cKDTree(positions[shaking]).query(positions)[0] < 3.0 * RADIUS)
+    positions, shaking = positions[~ditch], shaking[~ditch]
     builder = AssemblyBuilder(2, bond_law="two_springs")
     contact = {"normal_stiffness": STIFFNESS, "shear_stiffness": 0.5 * STIFFNESS, "friction_coefficient": 0.5}
     bond = {**contact, "tensile_strength": 1e9, "cohesion": 1e9, "width_ratio": 0.5}
     builder.add_material("rock", density=2600.0, contact=contact, bond=bond)
-    velocity = np.random.default_rng(1).normal(0.0, 0.05, (across * across, 2)) * (row < hot)[:, None]
-    builder.add_particles(np.stack([x, y], axis=1), RADIUS, "rock", velocity=velocity)
+    velocity = np.random.default_rng(1).normal(0.0, 0.01, positions.shape)
+    velocity[~shaking] = 0.0
+    velocity[shaking] -= velocity[shaking].mean(axis=0)
+    builder.add_particles(positions, RADIUS, "rock", velocity=velocity)
     builder.bond_within(1.01)
     return ParticleSimulation(builder.build(), orientation=False, sleep=sleep)
 
