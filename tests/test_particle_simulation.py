@@ -107,7 +107,8 @@ def test_planes_move_particles_alike_whether_or_not_the_kernel_knows_facets(dime
         simulation.features = replace(simulation.features, facets=facets)
         simulation.run(2000)
         found.append(np.hstack([simulation.positions, simulation.velocities, simulation.spins]))
-        assert np.abs(simulation.wall_force("box")).max() > 0.0
+        # they have met walls
+        assert np.abs(simulation.spins).max() > 0.1
     # inlined or not, the compiler may round in another order
     np.testing.assert_allclose(found[0], found[1], rtol=0.0, atol=1e-9)
 
