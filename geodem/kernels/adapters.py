@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from types import FunctionType, ModuleType
 from typing import Any, NamedTuple
 
-from .blocks import HISTORY_SLOT
+from .blocks import BESIDE_AFTER, BESIDE_SLOT, HISTORY_SLOT
 
 FORWARD = ("overlap", "approach", "slip_x", "slip_y", "slip_z", "twist", "bend_x", "bend_y", "bend_z")
 SIZES = ("radius_a", "radius_b", "distance")
@@ -163,15 +163,19 @@ def _store(name: str, history: Sequence[str], first: int) -> list[str]:
     return [load, _function(f"store_{name}", ["history", "p", "values"], stores or ["pass"])]
 
 
-def _lane(name: str, history: Sequence[str], first: int) -> list[str]:
-    """A lane of a block as the law wants it, and its way from and to the history of a pair."""
-    slots = [HISTORY_SLOT + k for k in range(len(history))]
-    fours = (HISTORY_SLOT + len(history)) // 4 * 4
+def _lane(name: str, history: Sequence[str], first: int, *, beside: bool = False) -> list[str]:
+    """A lane of a block as the law wants it, and its way from and to the history of a pair.
+
+    With `beside` for a contact whose lane is shared with a bond: in rows of their own.
+    """
+    slots = [(BESIDE_SLOT if beside else HISTORY_SLOT) + k for k in range(len(history))]
+    fours = 0 if beside else (HISTORY_SLOT + len(history)) // 4 * 4
+    first_after = BESIDE_AFTER if beside else 0
     before = [
         f"block[{s // 4 * 4} * LANES + 4 * lane + {s % 4}]" if s < fours else f"block[{s} * LANES + lane]"
         for s in slots
     ]
-    after = [f"block[AFTER + {k} * LANES + lane]" for k in range(len(history))]
+    after = [f"block[AFTER + {first_after + k} * LANES + lane]" for k in range(len(history))]
     columns = [f"history[p, {first + k}]" for k in range(len(history))]
     gathered = [f"{lane} = {column}" for lane, column in zip(before, columns, strict=True)]
     scattered = [f"{column} = {row}" for row, column in zip(after, columns, strict=True)]
@@ -281,6 +285,9 @@ def contact_adapters(
     adapters.append(_function(f"{name}_reach", ["parameters", "radius_a", "radius_b"], [f"return {reach}"]))
     adapters += _store(name, history, 0)
     adapters += _lane(name, history, 0)
+    adapters += _lane(f"beside_{name}", history, 0, beside=True)
+    where = _tuple([f"(values[{k}] if touch else 0.0)" for k in range(len(history))])
+    adapters.append(_function(f"{name}_where", ["touch", "values"], [f"return {where}"]))
     adapters.append(_function(f"no_{name}", [], [f"return {_tuple(['0.0'] * len(history))}"]))
     sheared = [
         {"shear_x": "shear_x", "shear_y": "shear_y", "shear_z": "shear_z"}.get(value, f"values[{k}]")

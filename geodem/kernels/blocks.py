@@ -48,6 +48,10 @@ RELATIVE = 4 * LANES  # velocity of b against a, and the distance without force
 SUM = 8 * LANES  # spins of a and b, and the weight: 0 where a lane repeats the last pair
 DIFFERENCE = 12 * LANES  # spin of a less that of b
 HISTORY_SLOT = 15
+BESIDE_SLOT = 36
+"""History of the contact beside a bond, in rows."""
+BESIDE_AFTER = 16
+"""The same after the step, counted from AFTER."""
 # In rows: what some laws ask for, and what the laws leave.
 RADIUS_A = 48 * LANES
 RADIUS_B = 49 * LANES
@@ -55,6 +59,7 @@ MASS_A = 50 * LANES
 MASS_B = 51 * LANES
 SCALE = 52 * LANES  # strength factor of a bond
 PRESSED = 53 * LANES  # 1 for a new contact
+TOUCH = 58 * LANES  # 1 where the contact beside a bond touches
 LEFT = 54 * LANES  # share of the slip that is still to be taken: 0 where a bond broke in this step
 TENSION = 55 * LANES
 CUT = 56 * LANES
@@ -82,6 +87,11 @@ contact_reach: Any = None
 store_contact: Any = None
 no_contact: Any = None
 load_contact_lane: Any = None
+load_beside_contact_lane: Any = None
+store_beside_contact_lane: Any = None
+gather_beside_contact: Any = None
+scatter_beside_contact: Any = None
+contact_where: Any = None  # the history where a contact touches, else none
 store_contact_lane: Any = None
 add_fours: Any = None  # see geodem.kernels.fours
 subtract_fours: Any = None
@@ -252,13 +262,17 @@ def contact_block(block, table, row, time_step):
     return contacts, thrust
 
 
-def bond_block(block, table, row, time_step):
-    """The bond law on every lane of a block. Returns the sum of weights and that of the weighted normal forces."""
-    common = bond_parameters(table, 0)
+def bond_block(block, table, bond_table, row, time_step):
+    """The bond law, and beside it the contact law, on every lane of a block.
+
+    Returns the sum of weights and that of the weighted normal forces.
+    """
+    common = bond_parameters(bond_table, 0)
+    common_contact = contact_parameters(table, 0)
     contacts = 0.0
     thrust = 0.0
     for lane in range(LANES):
-        parameters = common if ONE_MATERIAL else bond_parameters(table, row[lane])
+        parameters = common if ONE_MATERIAL else bond_parameters(bond_table, row[lane])
         (
             distance, unlike, nx, ny, nz, overlap, approach, slip_x, slip_y, slip_z, twist, bend_x, bend_y, bend_z,
             turn_x, turn_y, turn_z, spin,
@@ -276,6 +290,45 @@ def bond_block(block, table, row, time_step):
             parameters, overlap, approach, slip_x, slip_y, slip_z, twist, bend_x, bend_y, bend_z,
             radius_a, radius_b, distance, mass_a, mass_b, time_step, block[SCALE + lane], kept,
         )  # fmt: skip
+        normal_c = 0.0
+        shear_cx = 0.0
+        shear_cy = 0.0
+        shear_cz = 0.0
+        if not REPLACES:
+            # all lanes do the work, and it counts where they touch: nobody can guess where that is
+            settings = common_contact if ONE_MATERIAL else contact_parameters(table, row[lane])
+            touch = overlap > 0.0
+            if REACH and block[PRESSED + lane] != 0.0:
+                touch = overlap > -contact_reach(settings, radius_a, radius_b)
+            held = transport_contact(
+                load_beside_contact_lane(block, lane), nx, ny, nz, turn_x, turn_y, turn_z, spin
+            )
+            (
+                normal_c, shear_cx, shear_cy, shear_cz, twisting_c, bending_cx, bending_cy, bending_cz, held,
+            ) = contact(
+                settings, overlap, approach, slip_x, slip_y, slip_z, twist, bend_x, bend_y, bend_z,
+                radius_a, radius_b, distance, mass_a, mass_b, time_step, held,
+            )  # fmt: skip
+            held = contact_where(touch, held)
+            if VISCOUS_CONTACT:
+                damp, drag_x, drag_y, drag_z = contact_viscous(
+                    settings, overlap, approach, slip_x, slip_y, slip_z, radius_a, radius_b, distance, mass_a, mass_b,
+                    time_step,
+                )  # fmt: skip
+                normal_c += damp
+                shear_cx += drag_x
+                shear_cy += drag_y
+                shear_cz += drag_z
+            normal_c = normal_c if touch else 0.0
+            shear_cx = shear_cx if touch else 0.0
+            shear_cy = shear_cy if touch else 0.0
+            shear_cz = shear_cz if touch else 0.0
+            twisting += twisting_c if touch else 0.0
+            bending_x += bending_cx if touch else 0.0
+            bending_y += bending_cy if touch else 0.0
+            bending_z += bending_cz if touch else 0.0
+            store_beside_contact_lane(block, lane, held)
+            block[TOUCH + lane] = 1.0 if touch else 0.0
         store_bond_lane(block, lane, kept)
         # the undamped shear is what a breaking bond hands over
         block[SHEAR + lane] = shear_x
@@ -290,6 +343,10 @@ def bond_block(block, table, row, time_step):
             shear_x += drag_x
             shear_y += drag_y
             shear_z += drag_z
+        normal += normal_c
+        shear_x += shear_cx
+        shear_y += shear_cy
+        shear_z += shear_cz
         block[TENSION + lane] = tension
         block[CUT + lane] = cut
         set_forces(
@@ -382,7 +439,8 @@ def touching_pairs(rows, pair_a, pair_b, pair_bond, touching, history, table, pl
             material = 0 if ONE_MATERIAL else int(rows[a + 11]) * MATERIALS + int(rows[b + 11])
             limit += contact_reach(contact_parameters(table, material), rows[a + 3], rows[b + 3])
         touch = dx * dx + dy * dy + dz * dz < limit * limit
-        if REPLACES and bonded:
+        # with its bond
+        if bonded:
             touch = touched = False
         place[count] = p
         if touch:
@@ -448,6 +506,10 @@ def pairs(
                     row[lane] = int(rows[12 * a + 11]) * MATERIALS + int(rows[12 * b + 11])
                 if BONDS and kind == 0:
                     gather_bond(block, lane, history, p)
+                    if not REPLACES:
+                        gather_beside_contact(block, lane, history, p)
+                        if REACH:
+                            block[PRESSED + lane] = float(touching[p])
                     block[SCALE + lane] = bond_scale[pair_bond[p] - 1] if SCALED else 1.0
                 else:
                     gather_contact(block, lane, history, p)
@@ -458,7 +520,7 @@ def pairs(
             for lane in range(filled, LANES):
                 block[SUM + 4 * lane + 3] = 0.0
             if BONDS and kind == 0:
-                count_here, thrust_here = bond_block(block, bond_table, row, time_step)
+                count_here, thrust_here = bond_block(block, table, bond_table, row, time_step)
                 for lane in range(filled):
                     scatter_bond(block, lane, history, int(here[lane]))
                 broken, loosened = break_bonds(
@@ -466,15 +528,18 @@ def pairs(
                 )  # fmt: skip
                 contacts -= broken
                 thrust -= loosened
+                if not REPLACES:
+                    for lane in range(filled):
+                        # what broke is still to be computed as a contact
+                        if pair_bond[here[lane]] > 0:
+                            scatter_beside_contact(block, lane, history, int(here[lane]))
+                            touching[here[lane]] = np.uint8(block[TOUCH + lane])
             else:
                 count_here, thrust_here = contact_block(block, table, row, time_step)
                 for lane in range(filled):
                     scatter_contact(block, lane, history, int(here[lane]))
                     if ASKS_APPROACH or BONDS:
                         touching[here[lane]] = 1
-                    if BONDS and pair_bond[here[lane]] > 0:
-                        # the pair was counted with its bond
-                        contacts -= block[SUM + 4 * lane + 3]
             contacts += count_here
             thrust += thrust_here
             scatter(block, filled, here, local_a, local_b, load)
