@@ -94,6 +94,8 @@ class Recorder:
     def run_to(self, step: int) -> None:
         """Advance until so many steps have been done since the start of the simulation, and record them.
 
+        Steps of searches for equilibrium count too.
+
         Raises
         ------
         StoppedError

@@ -62,6 +62,9 @@ SHRINKING = 0.5
 FINE_STRAIN = 1e-3
 """Share of a distance between centres that links stretch or slip by in one step of the way to where a solve leads."""
 
+FAR = 1e30
+"""Farther than anything goes [m]."""
+
 LONGEST_STRAIN = 0.2
 """A solve goes this share of a distance between centres at most: beyond, normals turn too far for it to be right."""
 
@@ -263,12 +266,19 @@ class _Search:
         strain = np.sqrt((apart**2).sum(axis=1)) / links.arms.sum(axis=1)
         motion = motion * min(1.0, LONGEST_STRAIN / max(float(strain.max(initial=0.0)), 1e-300))
         # steps with these velocities move everything there and let the laws add up their springs
-        steps = max(1, math.ceil(min(float(strain.max(initial=0.0)), LONGEST_STRAIN) / FINE_STRAIN))
+        largest = min(float(strain.max(initial=0.0)), LONGEST_STRAIN)
+        steps = max(1, math.ceil(largest / FINE_STRAIN))
         now = s.rows[s.phase]
         now[:, s.columns.velocity] = motion[:, : s.dimension] / steps
         now[:, s.columns.spin] = motion[:, s.dimension :] / steps
+        # a body may go far and its particles stay together: then a search at the end is enough
+        together = largest * float(links.arms.sum(axis=1).max(initial=0.0)) <= s.buffer
+        if together:
+            s.moved = -FAR
         while steps > 0:
             steps -= self._step(steps, math.inf, (self.still, self.still), 0.0)
+        if together:
+            s.moved = 2.0 * s.buffer
         self._stop()
         return float(np.sqrt((motion[:, : s.dimension] ** 2).sum(axis=1)).max(initial=0.0))
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import json
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import fmean, median
@@ -17,6 +17,7 @@ from typing import Any
 
 from reference.pages_engine import PICTURE as ENGINE_PICTURE
 from reference.pages_engine import SECTIONS, engine_part, write_engine_picture
+from reference.pages_particles import particle_sections
 from reference.pages_tables import DILATIONS, METHODS, Row, by_case, groups, number, sizes, table
 
 HELP = "write docs/verification.md and docs/performance.md from the stored results"
@@ -83,7 +84,9 @@ def write_pages(results: Path = RESULTS, docs: Path = DOCS) -> list[Path]:
     docs.mkdir(parents=True, exist_ok=True)
     drawn = write_engine_picture(engine["frontier"].rows, docs / ENGINE_PICTURE)
     texts = {
-        docs / "verification.md": verification_page(slopes, ground),
+        docs / "verification.md": verification_page(
+            slopes, ground, lambda name: read_results(results / f"{name}.json")
+        ),
         docs / "performance.md": performance_page(slopes) + "\n" + engine_page(engine, picture=drawn),
     }
     for path, text in texts.items():
@@ -122,8 +125,8 @@ def read_results(path: Path) -> Stored:
 # --- pages --------------------------------------------------------------------------------------------------
 
 
-def verification_page(slopes: Stored, ground: Stored) -> str:
-    """Text of docs/verification.md."""
+def verification_page(slopes: Stored, ground: Stored, particles: Callable[[str], Stored]) -> str:
+    """Text of docs/verification.md; `particles` reads a file of results by name."""
     parts = [
         GENERATED,
         "# Verification\n",
@@ -142,6 +145,7 @@ def verification_page(slopes: Stored, ground: Stored) -> str:
         parts.append(NOT_RUN.format(name="ground", command="python -m reference run ground") + "\n")
     else:
         parts += [_header(ground), _ground(ground.rows)]
+    parts += particle_sections(particles, _header, NOT_RUN)
     return "\n".join(parts)
 
 

@@ -253,6 +253,7 @@ def run_time_against_error(rows: Sequence[Mapping[str, Any]]) -> bytes:
             axes.set_xscale("log")
             axes.set_yscale("log")
             axes.set_xlabel("run time [s]")
+            axes.xaxis.set_minor_formatter("")
             axes.set_title(f"{TITLES[problem]}\n(numbers: {SETTINGS[problem]})")
             if len(drivers) > 1:
                 axes.legend()

@@ -15,7 +15,7 @@ from ..laws.protocol import argument_names, constants, in_dimension
 
 Floats = NDArray[np.float64]
 
-COMPILED_FROM = 50_000
+COMPILED_FROM = 20_000
 """Links from which on the law is compiled into a loop: fewer are done before a compiler has looked at it."""
 
 SIZES = ("radius_a", "radius_b", "distance", "overlap")

@@ -69,7 +69,7 @@ def _bond_list(
     a = row_of[ordered[:, 0]]
     b = row_of[ordered[:, 1]]
     under = np.minimum(a, b)
-    bond = np.argsort(under, kind="stable")
+    bond = np.lexsort((np.maximum(a, b), under))
     under = under[bond]
     row = np.concatenate([[0], np.cumsum(np.bincount(under, minlength=len(rows)))])
     pairs = PairList.allocate(row, chunk=chunk, history_width=history_width)

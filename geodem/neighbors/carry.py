@@ -85,52 +85,151 @@ def write(
     particles = len(row) - 1
     for part in prange((particles + chunk - 1) // chunk):
         first = part * chunk
-        listed = near[part]
-        before = row[first]
-        missing = 0
-        for particle in range(first, min(particles, first + chunk)):
-            own = old_row_of_new[particle] if mapped else particle
-            own_first = old_row[own]
-            own_last = old_row[own + 1]
-            expected = own_first
-            for k in range(own_first, own_last):
-                missing += int((old_bond[k] > 0) | (old_touching[k] == 1))
-            for pair in range(row[particle], row[particle + 1]):
-                other = np.int64(listed[pair - before])
-                lower = ids[particle] < ids[other]
-                a[pair] = particle if lower else other
-                b[pair] = other if lower else particle
-                theirs = old_row_of_new[other] if mapped else other
-                begin = own_first
-                end = own_last
-                if theirs < own:
-                    begin = old_row[theirs]
-                    end = old_row[theirs + 1]
-                both = own ^ theirs
-                known = -1
-                # mostly the lists are alike: the pair behind the last one found is the next
-                if (
-                    expected < own_last
-                    and end == own_last
-                    and np.int64(old_a[expected]) ^ np.int64(old_b[expected]) == both
-                ):
-                    known = expected
-                else:
-                    for k in range(begin, end):
-                        if np.int64(old_a[k]) ^ np.int64(old_b[k]) == both:
-                            known = k
-                            break
-                if known >= 0:
-                    if end == own_last:
-                        expected = known + 1
-                    bond[pair] = old_bond[known]
-                    touching[pair] = old_touching[known]
-                    missing -= int((old_bond[known] > 0) | (old_touching[known] == 1))
-                    for k in range(HISTORY):
-                        history[pair, k] = old_history[known, k]
-                else:
-                    bond[pair] = 0
-                    touching[pair] = 0
-                    for k in range(HISTORY):
-                        history[pair, k] = 0.0
-        lost[part] = missing
+        end = min(particles, first + chunk)
+        if mapped:
+            lost[part] = look_up(
+                first, end, near[part], ids, row, a, b, bond, touching, history,
+                old_row, old_a, old_b, old_bond, old_touching, old_history, old_row_of_new,
+            )  # fmt: skip
+        else:
+            lost[part] = merge(
+                first, end, near[part], ids, row, a, b, bond, touching, history,
+                old_row, old_a, old_b, old_bond, old_touching, old_history,
+            )  # fmt: skip
+
+
+def merge(
+    first, end, near, ids, row, a, b, bond, touching, history,
+    old_row, old_a, old_b, old_bond, old_touching, old_history,
+):  # fmt: skip
+    """`write` for the rows from `first` to `end` where both lists are in the same order; returns how many are lost."""
+    missing = 0
+    before = row[first]
+    # rows from `alike` on list what they listed before
+    alike = first
+    for particle in range(first, end):
+        start = row[particle]
+        count = row[particle + 1] - start
+        old = old_row[particle]
+        old_end = old_row[particle + 1]
+        if count == old_end - old:
+            differ = np.uint32(0)
+            at = np.uint64(start - before)
+            source = np.uint64(old)
+            for k in range(np.uint64(count)):
+                differ |= (
+                    np.uint32(near[at + k]) ^ old_a[source + k] ^ old_b[source + k] ^ np.uint32(particle)
+                )
+            if differ == 0:
+                continue
+        copy_pairs(
+            row[alike], old_row[alike], old - old_row[alike], a, b, bond, touching, history,
+            old_a, old_b, old_bond, old_touching, old_history,
+        )  # fmt: skip
+        alike = particle + 1
+        for pair in range(start, start + count):
+            other = np.int64(near[pair - before])
+            theirs = old_other(old, old_end, particle, old_a, old_b)
+            while theirs < other:
+                missing += int((old_bond[old] > 0) | (old_touching[old] == 1))
+                old += 1
+                theirs = old_other(old, old_end, particle, old_a, old_b)
+            if theirs == other:
+                copy_pairs(
+                    pair, old, 1, a, b, bond, touching, history,
+                    old_a, old_b, old_bond, old_touching, old_history,
+                )  # fmt: skip
+                old += 1
+            else:
+                meet(pair, particle, other, ids, a, b, bond, touching, history)
+        for k in range(old, old_end):
+            missing += int((old_bond[k] > 0) | (old_touching[k] == 1))
+    copy_pairs(
+        row[alike], old_row[alike], old_row[end] - old_row[alike], a, b, bond, touching, history,
+        old_a, old_b, old_bond, old_touching, old_history,
+    )  # fmt: skip
+    return missing
+
+
+def old_other(old, end, particle, old_a, old_b):
+    """Row that an old pair lists under a particle; beyond the last one, a number above all rows."""
+    return np.int64(old_a[old] ^ old_b[old] ^ np.uint32(particle)) if old < end else np.int64(2**62)
+
+
+def copy_pairs(
+    pair, old, count, a, b, bond, touching, history, old_a, old_b, old_bond, old_touching, old_history,
+):  # fmt: skip
+    """Take over `count` pairs from `old` on as they are."""
+    # without a sign, so that no index can count from the end: else nothing is copied by vector instructions
+    to = np.uint64(pair)
+    source = np.uint64(old)
+    for k in range(np.uint64(count)):
+        a[to + k] = old_a[source + k]
+    for k in range(np.uint64(count)):
+        b[to + k] = old_b[source + k]
+    for k in range(np.uint64(count)):
+        bond[to + k] = old_bond[source + k]
+    for k in range(np.uint64(count)):
+        touching[to + k] = old_touching[source + k]
+    width = np.uint64(HISTORY)
+    for k in range(np.uint64(count) * width):
+        history[to * width + k] = old_history[source * width + k]
+
+
+def meet(pair, particle, other, ids, a, b, bond, touching, history):
+    """A pair that the old list does not know."""
+    lower = ids[particle] < ids[other]
+    a[pair] = particle if lower else other
+    b[pair] = other if lower else particle
+    bond[pair] = 0
+    touching[pair] = 0
+    for k in range(HISTORY):
+        history[pair * HISTORY + k] = 0.0
+
+
+def look_up(
+    first, end, near, ids, row, a, b, bond, touching, history,
+    old_row, old_a, old_b, old_bond, old_touching, old_history, old_row_of_new,
+):  # fmt: skip
+    """As `merge`, where rows were sorted anew. A part that another one lists the pairs of now counts below nought."""
+    before = row[first]
+    missing = 0
+    for particle in range(first, end):
+        own = old_row_of_new[particle]
+        own_first = old_row[own]
+        own_last = old_row[own + 1]
+        expected = own_first
+        for k in range(own_first, own_last):
+            missing += int((old_bond[k] > 0) | (old_touching[k] == 1))
+        for pair in range(row[particle], row[particle + 1]):
+            other = np.int64(near[pair - before])
+            theirs = old_row_of_new[other]
+            begin = own_first
+            stop = own_last
+            if theirs < own:
+                begin = old_row[theirs]
+                stop = old_row[theirs + 1]
+            both = own ^ theirs
+            known = -1
+            # mostly the lists are alike: the pair behind the last one found is the next
+            if (
+                expected < own_last
+                and stop == own_last
+                and np.int64(old_a[expected]) ^ np.int64(old_b[expected]) == both
+            ):
+                known = expected
+            else:
+                for k in range(begin, stop):
+                    if np.int64(old_a[k]) ^ np.int64(old_b[k]) == both:
+                        known = k
+                        break
+            meet(pair, particle, other, ids, a, b, bond, touching, history)
+            if known >= 0:
+                if stop == own_last:
+                    expected = known + 1
+                bond[pair] = old_bond[known]
+                touching[pair] = old_touching[known]
+                missing -= int((old_bond[known] > 0) | (old_touching[known] == 1))
+                for k in range(HISTORY):
+                    history[pair * HISTORY + k] = old_history[known * HISTORY + k]
+    return missing

@@ -99,7 +99,8 @@ def plan_levels(
 
     low, extent = usual_extent(rows[:, :dimension])
     origin = np.zeros(3)
-    origin[:dimension] = low
+    # half a cell aside: a lattice that begins where the grid does would lie on the edges of the cells
+    origin[:dimension] = low - (bound[-1] + 0.5 * buffer)
     inverse = np.ones((levels, 3))
     shape = np.ones((levels, 3), dtype=np.int64)
     for index in range(levels):
@@ -155,9 +156,11 @@ def fold(place, size):
     inside = place if place > -FAR else -FAR
     inside = inside if inside < FAR else FAR
     cell = np.int64(math.floor(inside))
-    if cell < 0 or cell >= size:
-        cell = cell % size
-    return cell
+    # no division of whole numbers, which a vectorised loop would do for every particle
+    cell -= np.int64(math.floor(inside / size)) * size
+    # the quotient is rounded
+    cell = cell if cell < size else cell - size
+    return cell if cell >= 0 else cell + size
 
 
 def cells_of_particles(rows, origin, bound, inverse, shape, offset, cell):
@@ -198,11 +201,15 @@ def sort_by_cell(cell, start, order):
 
 
 def gather_spots(rows, half_buffer, order, spot):
-    """Centre and reach (radius and half the buffer) in the order of the cells: spot (n, DIMENSION + 1), overwritten."""
+    """Centres and reaches (radius and half the buffer) in the order of the cells.
+
+    Overwritten: spot, axis by axis, each len(order) numbers long, more than there are particles.
+    """
     particles = len(rows)
+    span = np.uint64(len(order))
     for block in prange((particles + BLOCK - 1) // BLOCK):
-        for index in range(block * BLOCK, min(particles, block * BLOCK + BLOCK)):
-            particle = order[index]
+        for index in range(np.uint64(block * BLOCK), np.uint64(min(particles, block * BLOCK + BLOCK))):
+            particle = np.uint64(order[index])
             for axis in range(DIMENSION):
-                spot[index, axis] = rows[particle, axis]
-            spot[index, DIMENSION] = rows[particle, RADIUS] + half_buffer
+                spot[np.uint64(axis) * span + index] = rows[particle, axis]
+            spot[np.uint64(DIMENSION) * span + index] = rows[particle, RADIUS] + half_buffer

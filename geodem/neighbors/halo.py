@@ -110,18 +110,19 @@ def number_halo(particles, chunk, pair_start, pair_a, pair_b, local_a, local_b, 
             place = pair_start[part]
             halo = 0
             crossing = 0
-            for p in range(pair_start[part], pair_start[part + 1]):
+            # without a sign, so that no index can count from the end
+            for p in range(np.uint64(pair_start[part]), np.uint64(pair_start[part + 1])):
                 a = np.int64(pair_a[p])
                 b = np.int64(pair_b[p])
                 other = max(a, b)
                 there = other - base
                 if there >= size:
                     crossing += 1
-                    k = other - begin
+                    k = np.uint64(other - begin)
                     if meets[k] != part:
                         meets[k] = part
                         number[k] = halo
-                        found[place + halo] = other
+                        found[np.uint64(place + halo)] = other
                         halo += 1
                     there = size + number[k]
                 own = min(a, b) - base

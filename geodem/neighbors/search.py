@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from .. import _jit
 from ..errors import InputError
-from .carry import find_strays, list_strays, sum_up, write
+from .carry import copy_pairs, find_strays, list_strays, look_up, meet, merge, old_other, sum_up, write
 from .cells import (
     BLOCK,
     FAR,
@@ -30,21 +30,21 @@ from .cells import (
     plan_levels,
     sort_by_cell,
 )
+from .lanes import WIDE, texts
 from .near import (
-    FEW,
     GROUP,
-    LANES,
-    SPREAD,
+    GROUP_SPREAD,
+    REGION,
+    REGION_SPREAD,
     add_missing,
-    copy_spots,
     find,
     find_in_chunk,
+    find_with_room,
     gather,
-    pick,
-    sort_rows,
+    rows_together,
+    sort_many,
     spot_reach,
     steps_between,
-    swap,
 )
 from .pair_list import PairList, chunks_of
 
@@ -59,14 +59,16 @@ ROOM_PER_PARTICLE = {2: 8, 3: 16}
 
 @cache
 def _writer(history_width: int) -> ModuleType:
-    return _jit.compile_kernel([write], {"HISTORY": history_width}, parallel=True)
+    return _jit.compile_kernel(
+        [old_other, copy_pairs, meet, merge, look_up, write], {"HISTORY": history_width}, parallel=True
+    )
 
 
 @cache
 def _kernel(dimension: int) -> ModuleType:
     functions: list[Callable[..., Any]] = [
         fold, steps_between, spot_reach, cells_of_particles, sort_by_cell, gather_spots, sum_up,
-        gather, copy_spots, pick, add_missing, swap, sort_rows, find_in_chunk, find, find_strays, list_strays,
+        rows_together, gather, add_missing, sort_many, find_with_room, find_in_chunk, find, find_strays, list_strays,
     ]  # fmt: skip
     constants = {
         "DIMENSION": dimension,
@@ -74,12 +76,12 @@ def _kernel(dimension: int) -> ModuleType:
         "FAR": FAR,
         "BLOCK": BLOCK,
         "MARGIN": MARGIN,
-        "FEW": FEW,
-        "LANES": LANES,
         "GROUP": GROUP,
-        "SPREAD": SPREAD,
+        "GROUP_SPREAD": GROUP_SPREAD,
+        "REGION": REGION,
+        "REGION_SPREAD": REGION_SPREAD,
     }
-    return _jit.compile_kernel(functions, constants, parallel=True)
+    return _jit.compile_kernel(functions, constants, parallel=True, texts=texts())
 
 
 @dataclass(frozen=True)
@@ -95,8 +97,9 @@ class _Grid:
 def _fill_grid(rows: Floats, kernel: ModuleType, levels: Levels, half_buffer: float, dimension: int) -> _Grid:
     cell = np.empty(len(rows), dtype=np.int32)
     start = np.empty(int(levels.offset[-1]) + 2, dtype=np.int32)
-    order = np.empty(len(rows), dtype=np.int32)
-    spot = np.empty((len(rows), dimension + 1))
+    # vector instructions read beyond the last
+    order = np.empty(len(rows) + WIDE, dtype=np.int32)
+    spot = np.empty((dimension + 1) * len(order))
     kernel.cells_of_particles(
         rows, levels.origin, levels.bound, levels.inverse, levels.shape, levels.offset, cell
     )
@@ -222,8 +225,8 @@ def rebuild(
         near, row = _near_rows(rows, kernel, grid, strays, capacity, 0.5 * buffer, chunk)
         new = PairList.allocate(row, chunk=chunk, history_width=history_width)
         _writer(history_width).write(
-            chunk, near, ids, row, new.a, new.b, new.bond, new.touching, new.history,
-            old.row, old.a, old.b, old.bond, old.touching, old.history, mapped, old_row_of_new, lost,
+            chunk, near, ids, row, new.a, new.b, new.bond, new.touching, new.history.reshape(-1),
+            old.row, old.a, old.b, old.bond, old.touching, old.history.reshape(-1), mapped, old_row_of_new, lost,
         )  # fmt: skip
         new.far = strays.pairs
         if ask_first or lost.sum() == 0:

@@ -218,8 +218,7 @@ def cost_of_sleep(count: int, seconds: float, rounds: int) -> list[Row]:
     share = 1.0 - float(asleep.asleep.mean())
     return [
         check(
-            f"time with all awake over that with {100.0 * share:.0f} % of chunks awake, "
-            f"{awake.assembly.particles} discs",
+            f"time with all awake over that with a tenth awake, {count} discs",
             ratios(both),
             least=ASLEEP,
             active=share,

@@ -1,5 +1,6 @@
 """Lattices of bonded discs and spheres, and a bonded beam, against closed forms: `python -m reference run lattice`.
 
+Solved as linear networks here; `lattice_engine` strains one of them with the particle engine.
 Moduli of periodic cells follow from the six strains of a cell and the displacements and rotations inside it.
 """
 
@@ -23,6 +24,7 @@ from geodem.integrators.network import (
 )
 from geodem.laws.bond import parallel_bond
 
+from . import lattice_engine
 from .regular_packings import packing
 from .rows import Row, relative
 
@@ -251,4 +253,5 @@ def run() -> list[Row]:
         rows += close_packed(ratio)
     for ratio in (0.25, 0.5, 1.0):
         rows += sample(ratio)
-    return [*rows, *cantilever(10), *cantilever(20, shear="parallel bond, ks large")]
+    rows += [*cantilever(10), *cantilever(20, shear="parallel bond, ks large")]
+    return rows + lattice_engine.run()

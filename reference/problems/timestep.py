@@ -13,6 +13,7 @@ from geodem.assembly import DISC_INERTIA, SPHERE_INERTIA
 from geodem.integrators.critical_step import critical_step, gershgorin_frequency, largest_frequency
 from geodem.integrators.network import build_network, stiffness_matrix
 
+from . import timestep_engine
 from .regular_packings import CELLS, CONTACTS, packing
 from .rows import Row, relative
 
@@ -190,6 +191,7 @@ def run() -> list[Row]:
         for ratio in RATIOS:
             rows += found_step(kind, ratio)
             rows += driven(kind, ratio)
+            rows += timestep_engine.by_engine(kind, ratio, expected_step(kind, ratio))
     for kind in ("hexagonal", "FCC"):
         rows += damped(kind, 0.5, local=0.8)
         rows += damped(kind, 0.5, viscous=0.3)

@@ -331,9 +331,9 @@ def test_memory_is_compared_before_anything_is_made(monkeypatch):
     with pytest.raises(InputError) as error:
         builder().add_particles(np.zeros((5000, 2)), 1.0, "rock")
     message = str(error.value)
-    # 5000 discs of 400 B need 2 MB of 1 MB
-    assert "5000 discs need about 0.002 GB, and 0.001 GB are free" in message
-    assert "2500 discs" in message
+    # 5000 discs of 700 B need 3.5 MB of 1 MB
+    assert "5000 discs need about 0.0035 GB, and 0.001 GB are free" in message
+    assert "1428 discs" in message
 
 
 def test_memory_of_this_machine_is_known():

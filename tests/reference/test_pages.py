@@ -6,6 +6,7 @@ import re
 import pytest
 
 from reference.pages import read_results, write_pages
+from reference.pages_particles import GROUPS
 from tests.docs.pages import tables
 
 HEADER = {
@@ -95,7 +96,7 @@ def test_remarks_on_open_brackets_and_undecided_trials(written):
 
 def test_methods_and_flow_rules_are_not_mixed(written):
     text = (written / "verification.md").read_text()
-    headings = re.findall(r"^### (.*)$", text, flags=re.M)
+    headings = re.findall(r"^### (.*)$", text.split("## Discs and spheres")[0], flags=re.M)
     assert [heading.split(":")[0] for heading in headings] == [
         "Strength reduction", "Strength reduction", "Gravity increase", "Published answers",
     ]  # fmt: skip
@@ -117,6 +118,22 @@ def test_ground_figures_and_their_bounds(written):
     assert [row[6] for row in rows] == ["yes", "**no**"]
     assert rows[0][4:6] == ["-1.00", "1.5"]
     assert "1 of 2 figures lie within their bounds" in (written / "verification.md").read_text()
+
+
+def test_particle_figures_and_their_bounds(tmp_path):
+    results = tmp_path / "results"
+    results.mkdir()
+    row = {"name": "ball", "quantity": "spin [rad/s]", "value": 9.9, "expected": 10.0, "error_percent": -1.0,
+           "bound_percent": 0.5, "good": False, "source": "closed form"}  # fmt: skip
+    rows = [row, {**row, "value": 10.01, "error_percent": 0.1, "good": True}]
+    (results / "fewbody.json").write_text(json.dumps({"header": HEADER, "rows": rows}))
+    write_pages(results, tmp_path / "docs")
+    page = tmp_path / "docs" / "verification.md"
+    assert _tables_below(page, "One and two spheres") == [
+        ["ball", "spin [rad/s]", "9.9", "10", "-1", "0.5", "**no**", "closed form"],
+        ["ball", "spin [rad/s]", "10.01", "10", "+0.1", "0.5", "yes", "closed form"],
+    ]
+    assert "1 of 2 figures lie within their bounds" in page.read_text()
 
 
 def test_times(written):
@@ -190,7 +207,7 @@ def test_nothing_was_run(tmp_path):
     stale.write_bytes(b"of an earlier run")
     write_pages(tmp_path / "no results", docs)
     text = (docs / "verification.md").read_text()
-    assert text.count("This has not been run yet") == 2
+    assert text.count("This has not been run yet") == 2 + len(GROUPS)
     assert "`python -m reference bench slopes`" in text
     assert "error_against_time" not in (docs / "performance.md").read_text()
     assert not stale.exists()

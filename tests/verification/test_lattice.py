@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from reference.problems import lattice_engine
 from reference.problems.lattice import HCP, cantilever, close_packed, face_centred, hexagonal, sample
 from tests.verification.rows import check
 
@@ -22,6 +23,11 @@ def test_hexagonal_close_packing(ratio):
 def test_discs_between_plates():
     """30 x 60 discs: E and nu to 1 %."""
     check(*sample(0.4))
+
+
+def test_discs_strained_by_the_engine():
+    """30 x 60 discs: E and nu to 1 %."""
+    check(*lattice_engine.strained(0.5))
 
 
 def test_cantilever_of_bonded_spheres():

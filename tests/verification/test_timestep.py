@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from reference.problems import timestep_engine
 from reference.problems.regular_packings import CELLS, CONTACTS, packing
 from reference.problems.timestep import RATIOS, damped, driven, expected_step, found_step
 from tests.verification.rows import check
@@ -48,3 +49,8 @@ def test_bounded_below_and_growing_above(kind, ratio):
 @pytest.mark.parametrize("damping", [{"local": 0.8}, {"viscous": 0.3}, {"viscous": 0.2, "local": 0.7}])
 def test_with_damping(damping):
     check(*damped("FCC", 0.5, **damping))
+
+
+@pytest.mark.parametrize(("kind", "ratio", "steps"), [("hexagonal", 0.5, 10_000), ("BCC", 0.0, 1000)])
+def test_by_the_engine(kind, ratio, steps):
+    check(*timestep_engine.by_engine(kind, ratio, expected_step(kind, ratio), steps=steps))

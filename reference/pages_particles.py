@@ -1,0 +1,73 @@
+"""What discs and spheres are held to: the part of docs/verification.md that is made from their results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from reference.pages_tables import Row, number, table
+
+
+class Group(NamedTuple):
+    """A file of results, and how it stands on the page."""
+
+    name: str
+    title: str
+    text: str
+
+
+GROUPS = (
+    Group(
+        "fewbody",
+        "One and two spheres",
+        "Impacts, sliding, rolling and bouncing against closed forms. Rolling resistance and adhesion after Derjaguin, "
+        "Muller and Toporov are laws that geodem does not have.",
+    ),
+    Group("oscillator", "Period and energy of an oscillator", "The leap-frog has closed forms of its own."),
+    Group(
+        "energy-account",
+        "Energy account",
+        "A million steps at 0.1 of the critical one: friction, damping, dashpots, breaking bonds, moving walls.",
+    ),
+    Group("lattice", "Lattices and a beam, solved as networks and strained by the engine", ""),
+    Group("cantilever", "Cantilever of bonded spheres, by the engine", ""),
+    Group("timestep", "Critical time step of regular packings", ""),
+)
+
+
+def particle_sections(read: Callable[[str], Any], header: Callable[[Any], str], not_run: str) -> list[str]:
+    """Texts of all groups; `read` gives what is stored under a name, `header` its origin."""
+    parts = ["## Discs and spheres\n"]
+    for group in GROUPS:
+        parts.append(f"### {group.title}\n")
+        if group.text:
+            parts.append(group.text + "\n")
+        stored = read(group.name)
+        if not stored.rows:
+            parts.append(
+                not_run.format(name=group.name, command=f"python -m reference run {group.name}") + "\n"
+            )
+        else:
+            parts += [header(stored), figures(stored.rows)]
+    return parts
+
+
+def figures(rows: Sequence[Row]) -> str:
+    """Every figure beside what is expected of it."""
+    lines = [_line(row) for row in rows]
+    good = sum(bool(row["good"]) for row in rows)
+    head = ["problem", "quantity", "computed", "expected", "error [%]", "bound [%]", "within", "source"]
+    return f"{good} of {len(rows)} figures lie within their bounds.\n\n" + table(head, lines)
+
+
+def _line(row: Mapping[str, Any]) -> list[str]:
+    return [
+        str(row["name"]),
+        str(row["quantity"]),
+        number(row["value"]),
+        number(row["expected"]),
+        f"{row['error_percent']:+.2g}",
+        number(row["bound_percent"], 3),
+        "yes" if row["good"] else "**no**",
+        str(row.get("source", "")),
+    ]
