@@ -11,6 +11,7 @@ import pytest
 from geodem.assembly import Servo
 from geodem.boundaries.walls import box, plane
 from geodem.builders.assembly_builder import AssemblyBuilder
+from geodem.builders.packings import lattice
 from geodem.errors import InputError
 from geodem.particle_simulation import ParticleSimulation
 
@@ -66,6 +67,46 @@ def test_same_motion_of_both_kernels():
     assert np.abs(blocked.positions - scalar.positions).max() < 1e-10 * 0.01
     assert np.abs(blocked.velocities - scalar.velocities).max() < 1e-10
     assert np.abs(blocked.spins - scalar.spins).max() < 1e-8
+
+
+def test_same_bonds_in_both_kernels():
+    """Spheres bonded beside contacts that come and go, bonds that break, contacts that slide afterwards."""
+
+    def block(**more):
+        packing = lattice("fcc", 0.01, cells=(4, 4, 4))
+        rng = np.random.default_rng(11)
+        builder = AssemblyBuilder(3, bond_law="parallel_bond")
+        strength = {"tensile_strength": 2e4, "shear_strength": 4e4}
+        builder.add_material(
+            "rock", density=2000.0, contact=CONTACT,
+            bond={"radius_factor": 1.0, "normal_stiffness": 1e8, "shear_stiffness": 5e7, **strength},
+        )  # fmt: skip
+        velocity = 0.3 * rng.normal(size=packing.positions.shape)
+        spin = 20.0 * rng.normal(size=packing.positions.shape)
+        builder.add_particles(packing.positions, packing.radii, "rock", velocity=velocity, spin=spin)
+        builder.bond_within(1.01)
+        return ParticleSimulation(builder.build(), **more)
+
+    blocked, scalar = block(), block(energy=True)
+    # the serial kernel is the one over pairs too: force the other
+    blocked.features = replace(blocked.features, blocked=True)
+    assert blocked.features.in_blocks()
+    assert not scalar.features.in_blocks()
+    time_step = blocked.time_step
+    assert time_step == scalar.time_step
+    for simulation in (blocked, scalar):
+        simulation.run(60)
+    broken = [simulation.broken_bonds() for simulation in (blocked, scalar)]
+    assert 20 < len(broken[0].bond) < 0.9 * len(blocked.assembly.bonds)
+    assert broken[0].bond.tolist() == broken[1].bond.tolist()
+    assert broken[0].step.tolist() == broken[1].step.tolist()
+    assert broken[0].mode.tolist() == broken[1].mode.tolist()
+    np.testing.assert_allclose(broken[0].place, broken[1].place, rtol=0.0, atol=1e-9)
+    assert np.abs(blocked.positions - scalar.positions).max() < 1e-9 * 0.01
+    assert np.abs(blocked.velocities - scalar.velocities).max() < 1e-8
+    one, other = (simulation.contacts().history for simulation in (blocked, scalar))
+    for name in one:
+        np.testing.assert_allclose(one[name], other[name], rtol=0.0, atol=1e-6 * np.abs(other[name]).max())
 
 
 @pytest.mark.parametrize(

@@ -92,6 +92,10 @@ class Features:
         """Modules of the laws."""
         return CONTACT_LAWS[self.contact_law], None if self.bond_law is None else BOND_LAWS[self.bond_law]
 
+    def in_blocks(self) -> bool:
+        """Whether pairs are computed in blocks; without shear some fours of a block would not be read whole."""
+        return self.blocked and self.dimension == 3 and not self.energy and "shear_x" in self.layout().contact
+
     def relaxing(self) -> Features:
         """The same scene for the static relaxation: no real time, hence nothing that damps it."""
         return replace(
@@ -104,9 +108,7 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
     """Module with ``advance`` for a scene with these features; see `geodem.kernels.steps.advance`."""
     contact, bond = features.laws()
     layout = features.layout()
-    # without shear some fours of a block would not be read whole, see blocks
-    sheared = "shear_x" in layout.contact
-    blocked = features.blocked and features.dimension == 3 and sheared and not features.energy
+    blocked = features.in_blocks()
     law_functions, adapters = contact_adapters(
         contact, name="contact", dimension=features.dimension, layout=layout, viscous=features.contact_viscous
     )
