@@ -234,7 +234,7 @@ def _progress(show: bool | None, first: int, last: int) -> Iterator[Callable[[Pa
         return
     columns: list[Any] = [
         TextColumn("step"), MofNCompleteColumn(), BarColumn(), TextColumn("{task.fields[state]}"),
-        TimeRemainingColumn(elapsed_when_finished=True),
+        TimeRemainingColumn(), TextColumn("left"),
     ]  # fmt: skip
     with Progress(*columns, console=console, speed_estimate_period=60.0) as bar:
         task = bar.add_task("", total=last, completed=first, state="")

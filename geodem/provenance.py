@@ -14,6 +14,7 @@ TELLING = (
     "templates",
     "io/particle_frames.py",
     "particle_recorder.py",
+    "measure/contact_forces.py",
     "measure/failure.py",
     "measure/slip_surface.py",
     "cli.py",

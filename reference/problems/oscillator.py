@@ -56,12 +56,15 @@ def disc_on_anchor(share: float) -> Oscillator:
     builder = AssemblyBuilder(2)
     weak = {"normal_stiffness": 1.0, "shear_stiffness": 1.0, "friction_coefficient": 0.0}
     builder.add_material("m", density=2000.0, contact=weak)
-    builder.add_particles([[1.0 + AMPLITUDE, 0.0]], 0.05, "m")
+    # far out, so that a place of about 1 m resolves it well
+    builder.add_particles([[1.0 + 1e3 * AMPLITUDE, 0.0]], 0.05, "m")
     builder.anchor([0], (0.0, 0.0), STIFFNESS, length=1.0)
     assembly = builder.build()
     mass = float(assembly.mass[0])
     critical = 2.0 / math.sqrt(STIFFNESS / mass)
-    return Oscillator(ParticleSimulation(assembly, time_step=share * critical, energy=True), mass, 1.0, 1)
+    # alone, it need not look for neighbours
+    simulation = ParticleSimulation(assembly, time_step=share * critical, energy=True, buffer=1.0)
+    return Oscillator(simulation, mass, 1.0, 1)
 
 
 def bonded_spheres(share: float) -> Oscillator:
