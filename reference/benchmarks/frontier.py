@@ -103,16 +103,16 @@ def chain(free: int) -> Chain:
     return Chain(whole[2:, 2:], np.tile([MASS, 0.5 * MASS * RADIUS**2], free))
 
 
-def cantilever(free: int, *, force: float = 0.0, deflection: Floats | None = None) -> AssemblyBuilder:
-    """The same in geodem; a load at the end [N], or displaced discs (2 n,) [m] without their rotations."""
+def cantilever(free: int, *, force: float = 0.0, speeds: Floats | None = None) -> AssemblyBuilder:
+    """The same in geodem; a load at the end [N], or the speeds (2 n,) of the free discs at the start [m/s, rad/s]."""
     builder = AssemblyBuilder(2, bond_law="two_springs")
     contact = {"normal_stiffness": NORMAL, "shear_stiffness": SHEAR, "friction_coefficient": 0.5}
     bond = {**contact, "tensile_strength": 1e15, "cohesion": 1e15, "width_ratio": WIDTH}
     builder.add_material("rock", density=DENSITY, contact=contact, bond=bond)
     x = 2.0 * RADIUS * np.arange(free + 1)
     velocity, spin = np.zeros((free + 1, 2)), np.zeros(free + 1)
-    if deflection is not None:
-        velocity[1:, 1], spin[1:] = deflection[::2], deflection[1::2]
+    if speeds is not None:
+        velocity[1:, 1], spin[1:] = speeds[::2], speeds[1::2]
     builder.add_particles(np.stack([x, 0.0 * x], axis=1), RADIUS, "rock", velocity=velocity, spin=spin)
     builder.bond_within(1.001)
     builder.hold([0], x=0.0, y=0.0, rotation=0.0)
@@ -134,8 +134,7 @@ def swing(share: float, free: int, periods: int) -> tuple[float, float]:
     """Seconds, and relative error of the period, of a cantilever that starts straight with the speeds of its mode."""
     rate, shape = lowest_mode(chain(free))
     # small enough to be linear, large enough against rounding
-    speed = 1e-6 * rate * shape
-    assembly = cantilever(free, deflection=speed).build()
+    assembly = cantilever(free, speeds=1e-6 * rate * shape).build()
     critical = ParticleSimulation(assembly, orientation=False).critical_time_step
     simulation = ParticleSimulation(assembly, time_step=share * critical, orientation=False)
     simulation.kernel(simulation.features)
