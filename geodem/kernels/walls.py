@@ -140,13 +140,10 @@ def wall_forces(
         radius = now[i, RADIUS]
         mass = now[i, MASS]
         for p in range(begin, end):
-            meets = feature[p] >= 0
-            touched = touching[p] != 0
-            if not meets and touched:
-                touching[p] = 0
-                store_wall(history, p, no_wall())
-            # one that parted has no force, but an account to close
-            if not meets and not (ENERGY and touched):
+            if feature[p] < 0 and not (ENERGY and touching[p] != 0):
+                if touching[p] != 0:
+                    touching[p] = 0
+                    store_wall(history, p, no_wall())
                 continue
             owner = int(body[primitive[p]])
             parameters = wall_parameters(table, int(now[i, MATERIAL]) * len(bodies) + owner)
@@ -172,7 +169,7 @@ def wall_forces(
             turn_x = 0.0
             turn_y = 0.0
             turn_z = 0.0
-            if touched:
+            if touching[p] != 0:
                 turn_x = 0.5 * (nx - normal[p, 0])
                 turn_y = 0.5 * (ny - normal[p, 1])
                 turn_z = 0.5 * (nz - normal[p, 2])
@@ -213,7 +210,7 @@ def wall_forces(
                 bend_x = (bx - ax) * time_step - twist * nx
                 bend_y = (by - ay) * time_step - twist * ny
                 bend_z = (bz - az) * time_step - twist * nz
-                if touched:
+                if touching[p] != 0:
                     spin = 0.5 * time_step * ((ax + bx) * nx + (ay + by) * ny + (az + bz) * nz)
             else:
                 if WALLS_TURN:
@@ -223,44 +220,41 @@ def wall_forces(
                 slip_x = (vy * nx - vx * ny - distance * now[i, SPIN]) * time_step
                 bend_x = (bz - now[i, SPIN]) * time_step
             approach = -along * time_step
-            press = 0.0
-            shear_x = 0.0
-            shear_y = 0.0
-            shear_z = 0.0
-            twisting = 0.0
-            bending_x = 0.0
-            bending_y = 0.0
-            bending_z = 0.0
+            # one that parted has no force, but an account to close
+            meets = not ENERGY or feature[p] >= 0
+            held = no_wall()
+            if meets and touching[p] != 0:
+                held = transport_wall(load_wall(history, p), nx, ny, nz, turn_x, turn_y, turn_z, spin)
+            (
+                press, shear_x, shear_y, shear_z, twisting, bending_x, bending_y, bending_z, held,
+            ) = wall(
+                parameters, overlap, approach if touching[p] != 0 else overlap, slip_x, slip_y, slip_z,
+                twist, bend_x, bend_y, bend_z, radius, RIGID * radius, distance, mass, RIGID * mass, time_step, held,
+            )  # fmt: skip
+            if not meets:
+                press = 0.0
+                shear_x = 0.0
+                shear_y = 0.0
+                shear_z = 0.0
+                twisting = 0.0
+                bending_x = 0.0
+                bending_y = 0.0
+                bending_z = 0.0
+                held = no_wall()
+            store_wall(history, p, held)
             damp = 0.0
             drag_x = 0.0
             drag_y = 0.0
             drag_z = 0.0
-            stored = 0.0
-            if meets:
-                held = no_wall()
-                if touched:
-                    held = transport_wall(load_wall(history, p), nx, ny, nz, turn_x, turn_y, turn_z, spin)
-                (
-                    press, shear_x, shear_y, shear_z, twisting, bending_x, bending_y, bending_z, held,
-                ) = wall(
-                    parameters, overlap, approach if touched else overlap, slip_x, slip_y, slip_z,
-                    twist, bend_x, bend_y, bend_z, radius, RIGID * radius, distance, mass, RIGID * mass, time_step,
-                    held,
+            if VISCOUS_CONTACT and meets:
+                damp, drag_x, drag_y, drag_z = wall_viscous(
+                    parameters, overlap, approach, slip_x, slip_y, slip_z, radius, RIGID * radius, distance,
+                    mass, RIGID * mass, time_step,
                 )  # fmt: skip
-                store_wall(history, p, held)
-                if VISCOUS_CONTACT:
-                    damp, drag_x, drag_y, drag_z = wall_viscous(
-                        parameters, overlap, approach, slip_x, slip_y, slip_z, radius, RIGID * radius, distance,
-                        mass, RIGID * mass, time_step,
-                    )  # fmt: skip
-                if ENERGY:
-                    stored = wall_energy(parameters, overlap, radius, RIGID * radius, distance, held)
-                touching[p] = 1
-                normal[p, 0] = nx
-                normal[p, 1] = ny
-                normal[p, 2] = nz
-                contacts += 1.0
             if ENERGY:
+                stored = 0.0
+                if meets:
+                    stored = wall_energy(parameters, overlap, radius, RIGID * radius, distance, held)
                 # a contact ends where its surfaces part, wherever they are at the end of the step
                 ends = overlap if meets or wall_reach(parameters, radius, RIGID * radius) > 0.0 else 0.0
                 lost, heat = account(
@@ -273,8 +267,13 @@ def wall_forces(
                 energy[ELASTIC] += stored
                 energy[VISCOUS] += heat
                 energy[FRICTION] += lost
+            touching[p] = 1 if meets else 0
+            normal[p, 0] = nx
+            normal[p, 1] = ny
+            normal[p, 2] = nz
             press += damp
             shear_x += drag_x
+            contacts += 1.0 if meets else 0.0
             thrust += abs(press)
             row = i - base
             if SPACE:
