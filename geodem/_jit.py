@@ -85,49 +85,65 @@ class ThreadPilot:
 
     On a machine with other work a thread that lost its core keeps all others waiting at the end of every loop, and
     several threads can be many times slower than one. The bits do not depend on the number of threads, so
-    it may be chosen by the clock. The other choice is looked at now and then, for a short time only.
+    it may be chosen by the clock. The other choice is looked at now and then, for a short time only. A look begins with
+    a batch that does not count: threads that have slept share a core at first, until the system moves them apart.
     """
 
     LOOK_AGAIN_SECONDS = 1.0
     LOOK_SECONDS = 0.02
-    """Length of a look at the choice that was slower."""
+    """Length of each batch of a look."""
+    REMEMBERED = 3
+    """Batches whose best counts."""
     FIRST_STEPS = 20
-    """Length of the first looks, when it is not known what a step costs."""
-    NO_LIMIT = 2**31
+    """Length of the first batch, when it is not known what a step costs."""
 
     def __init__(self) -> None:
         self._all = threads_allowed()
-        self._cost: dict[int, float] = {}  # threads -> seconds per step, lately
+        self._costs: dict[int, list[float]] = {}  # threads -> seconds per step of the last batches that count
+        self._last: dict[int, float] = {}  # threads -> seconds per step of the last batch, counted or not
         self._tried: dict[int, float] = {}  # threads -> when
-        self._now = self._all
+        self._coming: list[tuple[int, bool]] = []  # threads of the batches to come, and whether they count
 
     def choose(self) -> tuple[int, int]:
         """Set and return the number of threads of the next batch, and the most steps that it should have."""
         import numba
 
-        if self._all == 1:
-            return 1, self.NO_LIMIT
-        self._now, steps = self._choice()
-        numba.set_num_threads(self._now)
-        return self._now, steps
+        if not self._coming:
+            self._coming = self._plan()
+        threads, _ = self._coming[0]
+        if self._all > 1:
+            numba.set_num_threads(threads)
+        if threads not in self._last:
+            return threads, self.FIRST_STEPS
+        best = min(self._costs, key=self._cost, default=0)
+        seconds = self.LOOK_AGAIN_SECONDS if threads == best and len(self._coming) == 1 else self.LOOK_SECONDS
+        return threads, max(2, int(seconds / self._last[threads]))
 
-    def _choice(self) -> tuple[int, int]:
-        both = (self._all, 1)
-        for threads in both:
-            if threads not in self._cost:
-                return threads, self.FIRST_STEPS
-        best = min(both, key=lambda threads: self._cost[threads])
-        other = both[1 - both.index(best)]
+    def _cost(self, threads: int) -> float:
+        # what else the machine does can only make a step longer
+        return min(self._costs[threads])
+
+    def _plan(self) -> list[tuple[int, bool]]:
+        if self._all not in self._costs:
+            # the first of all starts the threads and fills the caches
+            return [(self._all, False), *self._look(self._all)]
+        if 1 not in self._costs:
+            return self._look(1)
+        best, other = sorted((1, self._all), key=self._cost)
         if time.perf_counter() - self._tried[other] > self.LOOK_AGAIN_SECONDS:
-            return other, max(2, int(self.LOOK_SECONDS / self._cost[other]))
-        return best, self.NO_LIMIT
+            return self._look(other)
+        return [(best, True)]
+
+    def _look(self, threads: int) -> list[tuple[int, bool]]:
+        return [(threads, False)] + [(threads, True)] * (2 if threads > 1 else 1)
 
     def learn(self, seconds_per_step: float) -> None:
         """Say what the last batch cost."""
-        # a hiccup of the machine must not weigh for long
-        old = self._cost.get(self._now, seconds_per_step)
-        self._cost[self._now] = min(0.5 * (old + seconds_per_step), 2.0 * old)
-        self._tried[self._now] = time.perf_counter()
+        threads, counts = self._coming.pop(0)
+        self._last[threads] = seconds_per_step
+        if counts:
+            self._costs[threads] = [*self._costs.get(threads, []), seconds_per_step][-self.REMEMBERED :]
+            self._tried[threads] = time.perf_counter()
 
 
 def compile_seconds() -> float:

@@ -4,8 +4,8 @@ A processor works on four or eight pairs at once where nothing branches between 
 pairs touch, these are gathered into a small block that stays in the first cache, the law runs over the whole block in
 one loop without branches, and a last loop adds up the forces. Always all lanes of a block are computed (the ones
 that are not filled repeat the last pair), so that every pair meets the same instructions wherever it stands. Rows are
-read and forces added four numbers at a time, which halves the time of these two loops. In 2D, where a pair costs little,
-blocks do not pay.
+read and forces added four numbers at a time, which halves the time of these two loops. In 2D, where a pair costs
+little, blocks do not pay.
 
 A bond whose law works beside the contact's shares its lane with the contact: all lanes compute both, and the contact
 counts where it touches, because nobody could guess where that is.
