@@ -176,7 +176,8 @@ def kernel_text(
         source = textwrap.dedent(inspect.getsource(function)).rstrip()
         # only loops that ask for it are made parallel: numba warns about any other function
         threads = parallel and "prange(" in source
-        lines += ["", "", f"@njit(parallel={threads}, {options})", source]
+        inline = ", inline='always'" if threads and function is not functions[-1] else ""
+        lines += ["", "", f"@njit(parallel={threads}{inline}, {options})", source]
     return "\n".join(lines) + "\n"
 
 
