@@ -116,13 +116,11 @@ def falling_freely(simulation: ParticleSimulation) -> NDArray[np.int64]:
 
 def _pair_links(s: ParticleSimulation, *, listed: bool = True) -> Links:
     p, columns = s.pairs, s.columns
-    under = p.listed_under()
-    once = under == np.minimum(p.a, p.b)
-    if not listed:
-        once &= (p.bond > 0) | (p.touching > 0)
-    first, second = p.a[once].astype(np.int64), p.b[once].astype(np.int64)
-    bonded = p.bond[once] > 0
-    del under, once
+    chosen: slice | NDArray[np.intp] = (
+        slice(None) if listed else np.flatnonzero((p.bond > 0) | (p.touching > 0))
+    )
+    first, second = p.a[chosen].astype(np.int64), p.b[chosen].astype(np.int64)
+    bonded = p.bond[chosen] > 0
     now = s.now
     # columns first, rows then: a whole row of every end would not fit beside a large list
     positions = np.ascontiguousarray(now[:, columns.position])
@@ -144,8 +142,8 @@ def _pair_links(s: ParticleSimulation, *, listed: bool = True) -> Links:
     def stiffness_of(
         law: ModuleType, table: Floats, which: NDArray[np.bool_] | slice, given: Floats
     ) -> Floats:
-        chosen = {name: value[which] for name, value in sizes.items()}
-        return law_stiffness(law, s.dimension, parameters(table, which), overlap=given[which], **chosen)
+        given_sizes = {name: value[which] for name, value in sizes.items()}
+        return law_stiffness(law, s.dimension, parameters(table, which), overlap=given[which], **given_sizes)
 
     pressed = np.maximum(overlap, 0.0)
     if bond is not None and bond.REPLACES_CONTACT:

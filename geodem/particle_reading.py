@@ -213,10 +213,9 @@ class ParticleReading:
         return unbalanced / thrust if thrust > 0.0 else (math.inf if unbalanced > 0.0 else 0.0)
 
     def _touching_pairs(self) -> NDArray[np.int64]:
-        """Where in the list the pairs stand that touch or are bonded, each once, in the order of `contacts`."""
+        """Where in the list the pairs stand that touch or are bonded, in the order of `contacts`."""
         p, ids = self.pairs, self.arrays.ids
-        once = (p.listed_under() == np.minimum(p.a, p.b)) & ((p.touching > 0) | (p.bond > 0))
-        which = np.flatnonzero(once)
+        which = np.flatnonzero((p.touching > 0) | (p.bond > 0))
         return which[np.lexsort((ids[p.b[which]], ids[p.a[which]]))]
 
     def contacts(self) -> Contacts:

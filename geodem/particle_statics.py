@@ -365,6 +365,7 @@ class _Standstill:
     def __enter__(self) -> None:
         s = self.simulation
         s.order_kept = True
+        s.wake_all()
         s.begin_stage(moving=False)
         self.velocities = s.velocities
         self.spins = s.spins

@@ -69,7 +69,8 @@ def test_same_motion_of_both_kernels():
     assert np.abs(blocked.spins - scalar.spins).max() < 1e-8
 
 
-def test_same_bonds_in_both_kernels():
+@pytest.mark.parametrize("spread", [1.0, 1.003])
+def test_same_bonds_in_both_kernels(spread):
     """Spheres bonded beside contacts that come and go, bonds that break, contacts that slide afterwards."""
 
     def block(**more):
@@ -83,7 +84,7 @@ def test_same_bonds_in_both_kernels():
         )  # fmt: skip
         velocity = 0.3 * rng.normal(size=packing.positions.shape)
         spin = 20.0 * rng.normal(size=packing.positions.shape)
-        builder.add_particles(packing.positions, packing.radii, "rock", velocity=velocity, spin=spin)
+        builder.add_particles(spread * packing.positions, packing.radii, "rock", velocity=velocity, spin=spin)
         builder.bond_within(1.01)
         return ParticleSimulation(builder.build(), **more)
 
@@ -104,9 +105,34 @@ def test_same_bonds_in_both_kernels():
     np.testing.assert_allclose(broken[0].place, broken[1].place, rtol=0.0, atol=1e-9)
     assert np.abs(blocked.positions - scalar.positions).max() < 1e-9 * 0.01
     assert np.abs(blocked.velocities - scalar.velocities).max() < 1e-8
+    assert np.array_equal(blocked.pairs.touching, scalar.pairs.touching)
     one, other = (simulation.contacts().history for simulation in (blocked, scalar))
     for name in one:
         np.testing.assert_allclose(one[name], other[name], rtol=0.0, atol=1e-6 * np.abs(other[name]).max())
+
+
+def test_the_account_changes_no_motion_of_discs_bonded_where_they_overlap():
+    """After the break contacts are measured from the distance at bonding, until the surfaces have parted."""
+
+    def block(energy):
+        rng = np.random.default_rng(3)
+        packing = lattice("hexagonal", 0.1, box=(1.3, 1.2))
+        builder = AssemblyBuilder(2, bond_law="parallel_bond")
+        strength = {"tensile_strength": 4e4, "shear_strength": 4e4}
+        builder.add_material(
+            "rock", density=2000.0, contact=CONTACT,
+            bond={"radius_factor": 1.0, "normal_stiffness": 1e7, "shear_stiffness": 5e6, **strength},
+        )  # fmt: skip
+        velocity = 1.5 * rng.normal(size=packing.positions.shape)
+        builder.add_particles(0.97 * packing.positions, packing.radii, "rock", velocity=velocity)
+        builder.bond_within(1.01)
+        return ParticleSimulation(builder.build(), energy=energy)
+
+    plain, counted = block(False), block(True)
+    for simulation in (plain, counted):
+        simulation.run(400)
+    assert len(plain.broken_bonds().bond) > 10
+    assert np.abs(plain.positions - counted.positions).max() < 1e-10 * 0.1
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,10 @@ import pytest
 from geodem.boundaries.walls import box
 from geodem.builders.assembly_builder import AssemblyBuilder
 from geodem.builders.packings import lattice
+from geodem.kernels import sleep
+from geodem.kernels.wall_geometry import BODY_WIDTH
 from geodem.particle_simulation import ParticleSimulation, Sleep
+from geodem.particle_statics import find_equilibrium
 
 HEIGHT = 1.6
 WIDTH = 14.0
@@ -68,3 +71,50 @@ def test_the_same_bits_where_nothing_sleeps():
         simulation.run(300)
     assert np.array_equal(plain.positions, watched.positions)
     assert np.array_equal(plain.velocities, watched.velocities)
+
+
+def wake(asleep, *, fast=None, wall=None, speed=0.0):
+    """Which chunks of a row of eight sleep after a step, one of them fast, one near a wall of some speed."""
+    chunks = len(asleep)
+    asleep = np.array(asleep, dtype=np.uint8)
+    beside = [[k for k in (c - 1, c + 1) if 0 <= k < chunks] for c in range(chunks)]
+    start = np.cumsum([0, *map(len, beside)])
+    sums = np.zeros((chunks, 17))
+    if fast is not None:
+        sums[fast, sleep.FASTEST] = 1.0
+    wall_start = np.zeros(chunks + 1, dtype=np.int64)
+    if wall is not None:
+        wall_start[wall + 1 :] = 1
+    bodies = np.zeros((1, BODY_WIDTH))
+    bodies[0, sleep.BODY_VELOCITY] = speed
+    nothing = np.zeros(1, dtype=np.int64)
+    sleep.sleep_and_wake(
+        1, np.zeros((2, chunks, 12)), 0, sums, asleep, np.zeros(chunks, np.int64), start, np.concatenate(beside),
+        1e-3, 5, wall_start, nothing, nothing, bodies,
+    )  # fmt: skip
+    return asleep.tolist()
+
+
+def test_only_the_chunks_around_a_fast_one_wake():
+    assert wake([1, 1, 1, 0, 1, 1, 1, 1], fast=3) == [1, 1, 0, 0, 0, 1, 1, 1]
+
+
+def test_a_wall_that_comes_near_wakes_a_chunk_if_it_moves():
+    assert wake([1] * 8, wall=2, speed=0.1) == [1, 1, 0, 1, 1, 1, 1, 1]
+    assert wake([1] * 8, wall=2, speed=0.0) == [1] * 8
+
+
+def test_contacts_with_walls_still_count_where_one_chunk_wakes_among_sleepers():
+    simulation = ParticleSimulation(bed(), local_damping=0.3, sleep=Sleep(speed=1e-4, steps=100))
+    run_to_sleep(simulation)
+    contacts = simulation.contact_count()
+    simulation.asleep[0] = 0
+    simulation.run(1)
+    assert simulation.contact_count() == pytest.approx(contacts, abs=2)
+
+
+def test_nothing_sleeps_after_a_search_for_equilibrium():
+    simulation = ParticleSimulation(bed(), local_damping=0.3, sleep=Sleep(speed=1e-4, steps=100))
+    run_to_sleep(simulation)
+    find_equilibrium(simulation, most_steps=50)
+    assert not simulation.asleep.any()

@@ -61,11 +61,11 @@ MASS_A = 50 * LANES
 MASS_B = 51 * LANES
 SCALE = 52 * LANES  # strength factor of a bond
 PRESSED = 53 * LANES  # 1 for a new contact
-TOUCH = 58 * LANES  # 1 where the contact beside a bond touches
 LEFT = 54 * LANES  # share of the slip that is still to be taken: 0 where a bond broke in this step
 TENSION = 55 * LANES
 CUT = 56 * LANES
-SHEAR = 57 * LANES  # of an intact bond
+SHEAR = 57 * LANES  # of an intact bond that takes the contact's place, three rows
+TOUCH = 57 * LANES  # in the same place, of any other bond: 1 where the contact beside it touches
 # In fours again: what is added up, the fourth without meaning.
 FORCE = 60 * LANES  # on a
 MOMENT_A = 64 * LANES
@@ -332,10 +332,11 @@ def bond_block(block, table, bond_table, row, time_step):
             store_beside_contact_lane(block, lane, held)
             block[TOUCH + lane] = 1.0 if touch else 0.0
         store_bond_lane(block, lane, kept)
-        # the undamped shear is what a breaking bond hands over
-        block[SHEAR + lane] = shear_x
-        block[SHEAR + LANES + lane] = shear_y
-        block[SHEAR + 2 * LANES + lane] = shear_z
+        if REPLACES:
+            # the undamped shear is what a breaking bond hands over
+            block[SHEAR + lane] = shear_x
+            block[SHEAR + LANES + lane] = shear_y
+            block[SHEAR + 2 * LANES + lane] = shear_z
         if VISCOUS_BOND:
             damp, drag_x, drag_y, drag_z = bond_viscous(
                 parameters, overlap, approach, slip_x, slip_y, slip_z, radius_a, radius_b, distance, mass_a, mass_b,

@@ -357,7 +357,7 @@ def range_of_pairs(
             elif touched:
                 touching[p] = 0
                 store_contact(history, p, no_contact())
-                if BONDS and ENERGY and number == 0:
+                if BONDS and ENERGY and number == 0 and history[p, OFFSET] > 0.0:
                     history[p, OFFSET] = 0.0
             if ENERGY:
                 # a contact ends where its surfaces part, wherever they are at the end of the step

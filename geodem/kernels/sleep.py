@@ -2,8 +2,8 @@
 
 Serial, and only where a scene asks for it; compiled in a generated module like `geodem.kernels.pairs`. A chunk falls
 asleep when it and all chunks that share pairs with it have been slow for some steps, and no wall that moves is near.
-It wakes when one of those chunks gets fast. While it sleeps beside one that is awake, the pairs that it lists are
-computed all the same, for the other's sake.
+It wakes when one of those chunks gets fast, or a wall that moves comes near. While it sleeps beside one that is awake,
+the pairs that it lists are computed all the same, for the other's sake.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from __future__ import annotations
 VELOCITY = 4
 SPIN = 8
 FASTEST = 0
-UNBALANCED = 1
 KINETIC = 4
 INERTIA = 6
 ROLLING = 16
@@ -71,12 +70,13 @@ def sleep_and_wake(
                 asleep[chunk] = 1
                 rest(chunk, chunk_size, rows, present, sums)
         else:
-            called = False
+            called = near_moving_wall(chunk, wall_start, wall_primitive, body, bodies)
             for k in range(neighbour_start[chunk], neighbour_start[chunk + 1]):
                 called = called or (asleep[neighbour[k]] == 0 and quiet[neighbour[k]] == 0)
             if called:
                 asleep[chunk] = 0
-                quiet[chunk] = 0
+                # not 0, which would wake those around it in turn, before anything moves there
+                quiet[chunk] = 1
 
 
 FUNCTIONS = (near_moving_wall, rest, sleep_and_wake)

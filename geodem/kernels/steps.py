@@ -63,13 +63,16 @@ def chunk_forces(
         table, bond_table, bond_scale, time_step, step, breaking, own,
         halo_force[halo_start[chunk] : halo_start[chunk + 1]], energy, utilisation, record,
     )  # fmt: skip
-    sums[CONTACTS] = contacts
-    sums[THRUST] = thrust
+    if awake:
+        # else what they were with the walls' when it fell asleep
+        sums[CONTACTS] = contacts
+        sums[THRUST] = thrust
     if ENERGY:
         sums[TOTAL_FRICTION] += energy[0]
         sums[TOTAL_VISCOUS] += energy[1]
         sums[TOTAL_BROKEN] += energy[2]
-        sums[TOTAL_ELASTIC] = energy[3]
+        if awake:
+            sums[TOTAL_ELASTIC] = energy[3]
 
 
 def chunk_motion(
