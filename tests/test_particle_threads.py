@@ -45,8 +45,8 @@ print(digest.hexdigest(), simulation.halo.across, broken, simulation.searches)
 """
 
 
-def outcome(dimension: int, threads: int) -> list[str]:
-    environment = {**os.environ, "NUMBA_NUM_THREADS": str(threads)}
+def outcome(dimension: int, threads: int, cache: Path) -> list[str]:
+    environment = {**os.environ, "NUMBA_NUM_THREADS": str(threads), "GEODEM_CACHE": str(cache)}
     done = subprocess.run(
         [sys.executable, "-c", SCRIPT, str(dimension)],
         env=environment, cwd=Path(__file__).parent.parent, capture_output=True, text=True, check=False,
@@ -56,8 +56,9 @@ def outcome(dimension: int, threads: int) -> list[str]:
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_same_bits_on_any_number_of_threads(dimension):
-    one, two, four = (outcome(dimension, threads) for threads in (1, 2, 4))
+def test_same_bits_on_any_number_of_threads(dimension, tmp_path):
+    # the first process compiles, the others find the kernel in the cache
+    one, two, four = (outcome(dimension, threads, tmp_path) for threads in (1, 2, 4))
     assert one == two == four
     _, across, broken, searches = one
     # the scene has what could go wrong

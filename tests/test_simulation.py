@@ -50,10 +50,12 @@ def test_the_slope_takes_the_serial_kernel(ground):
     assert 200 < ground.particles < SERIAL_LIMIT
 
 
-def test_one_and_two_threads_give_the_same_bits():
+def test_one_and_two_threads_compiled_and_from_the_cache_give_the_same_bits(tmp_path):
+    """The first process compiles into an empty folder, the second finds the kernel there."""
     answers = []
     for threads in ("1", "2"):
         environment = {**os.environ, "NUMBA_NUM_THREADS": "2", "OMP_NUM_THREADS": "2"}
+        environment["GEODEM_CACHE"] = str(tmp_path)
         done = subprocess.run(
             [sys.executable, "-c", BITS, threads, str(ROOT)],
             env=environment,
