@@ -1,6 +1,7 @@
 # make slope   set everything up and run the main job: a slope read from a picture, both methods
 # make test    set everything up and run the tests, those against YADE and LIGGGHTS included
-# make bench-peers   the same and LAMMPS, and measure speed against all three
+# make bench-engine  measure discs and spheres in motion against what the machine allows (15 minutes)
+# make bench-peers   the same against YADE, LIGGGHTS and LAMMPS on the same scenes
 # Both can be repeated: what is there already is not done again.
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
@@ -15,7 +16,7 @@ PEERS := yade liggghts
 CASE ?= workflows/slope_from_picture
 OUT ?= runs/slope
 
-.PHONY: slope test lint docs bench bench-peers clean
+.PHONY: slope test lint docs bench bench-engine bench-peers clean
 
 slope: $(VENV)/run.done
 	@$(BIN)/geodem run $(CASE) --out $(OUT)
@@ -35,9 +36,13 @@ bench: $(VENV)/dev.done
 	@$(BIN)/python -m reference bench slopes
 	@$(BIN)/python -m reference pages
 
+bench-engine: $(VENV)/dev.done
+	@for b in limits features statics frontier large; do $(BIN)/python -m reference bench $$b || exit 1; done
+	@$(BIN)/python -m reference pages
+
 bench-peers: $(VENV)/dev.done $(VENV)/peers.done $(VENV)/lammps.done
-	@$(BIN)/python -m reference bench limits
 	@$(BIN)/python -m reference bench peers
+	@$(BIN)/python -m reference pages
 
 # a virtual environment, made only where Python can make one: Debian keeps that part in a package of its own
 $(VENV)/bin/python:

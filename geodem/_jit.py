@@ -87,11 +87,16 @@ class ThreadPilot:
 
     On a machine with other work a thread that lost its core keeps all others waiting at the end of every loop, and
     several threads can be many times slower than one. The bits do not depend on the number of threads, so
-    it may be chosen by the clock. The other choice is looked at now and then, for a short time only. A look begins with
-    a batch that does not count: threads that have slept share a core at first, until the system moves them apart.
+    it may be chosen by the clock. The other choice is looked at now and then, for a short time only: soon where steps
+    take longer than they did, ever later where it was no better. A look begins with a batch that does not count:
+    threads that have slept share a core at first, until the system moves them apart.
     """
 
     LOOK_AGAIN_SECONDS = 1.0
+    LONGEST_SECONDS = 16.0
+    """Between two looks."""
+    SLOWER = 1.5
+    """Steps that take so many times what they took call for a look."""
     LOOK_SECONDS = 0.02
     """Length of each batch of a look."""
     REMEMBERED = 3
@@ -105,6 +110,7 @@ class ThreadPilot:
         self._last: dict[int, float] = {}  # threads -> seconds per step of the last batch, counted or not
         self._tried: dict[int, float] = {}  # threads -> when
         self._coming: list[tuple[int, bool]] = []  # threads of the batches to come, and whether they count
+        self._wait = self.LOOK_AGAIN_SECONDS  # from one look to the next
 
     def choose(self) -> tuple[int, int]:
         """Set and return the number of threads of the next batch, and the most steps that it should have."""
@@ -132,7 +138,10 @@ class ThreadPilot:
         if 1 not in self._costs:
             return self._look(1)
         best, other = sorted((1, self._all), key=self._cost)
-        if time.perf_counter() - self._tried[other] > self.LOOK_AGAIN_SECONDS:
+        if self._last[best] > self.SLOWER * self._cost(best):
+            self._wait = self.LOOK_AGAIN_SECONDS
+        if time.perf_counter() - self._tried[other] > self._wait:
+            self._wait = min(2.0 * self._wait, self.LONGEST_SECONDS)
             return self._look(other)
         return [(best, True)]
 

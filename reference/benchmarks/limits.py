@@ -26,7 +26,12 @@ SCENES: dict[str, Callable[[int], scenes.Scene]] = {
     "touching": scenes.touching_spheres,
     "bonded-discs": scenes.bonded_discs,
 }
-RATIOS = {("touching", 10_000): 1.6, ("touching", 100_000): 1.4}
+RATIOS = {
+    ("touching", 10_000): 1.6,
+    ("touching", 100_000): 1.4,
+    ("bonded-discs", 10_000): 0.95,
+    ("bonded-discs", 100_000): 0.95,
+}
 """How many times faster than the C loop geodem is held to be."""
 SHARES = {2: 0.45, 3: 0.30}
 """Share of the two-thread triad that geodem is held to, from 100,000 particles on."""
