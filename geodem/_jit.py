@@ -88,7 +88,7 @@ class ThreadPilot:
     On a machine with other work a thread that lost its core keeps all others waiting at the end of every loop, and
     several threads can be many times slower than one. The bits do not depend on the number of threads, so
     it may be chosen by the clock. The other choice is looked at now and then, for a short time only: soon where steps
-    take longer than they did, ever later where it was no better. A look begins with a batch that does not count:
+    take longer than they did, ever later where it was no better. A look begins with batches that do not count:
     threads that have slept share a core at first, until the system moves them apart.
     """
 
@@ -99,6 +99,8 @@ class ThreadPilot:
     """Steps that take so many times what they took call for a look."""
     LOOK_SECONDS = 0.02
     """Length of each batch of a look."""
+    GATHERING = 4
+    """Batches that do not count when threads have slept."""
     REMEMBERED = 3
     """Batches whose best counts."""
     FIRST_STEPS = 20
@@ -146,7 +148,9 @@ class ThreadPilot:
         return [(best, True)]
 
     def _look(self, threads: int) -> list[tuple[int, bool]]:
-        return [(threads, False)] + [(threads, True)] * (2 if threads > 1 else 1)
+        if threads == 1:
+            return [(1, False), (1, True)]
+        return [(threads, False)] * self.GATHERING + [(threads, True)] * self.REMEMBERED
 
     def learn(self, seconds_per_step: float) -> None:
         """Say what the last batch cost."""
