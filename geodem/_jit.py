@@ -20,6 +20,7 @@ import tempfile
 import textwrap
 import time
 from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -172,6 +173,12 @@ def add_compile_seconds(seconds: float) -> None:
     _compile_seconds += seconds
 
 
+@cache
+def function_source(function: Callable[..., Any]) -> str:
+    """Text of a function, read once: finding its end takes Python a millisecond, and a kernel has some hundred."""
+    return textwrap.dedent(inspect.getsource(function)).rstrip()
+
+
 def kernel_text(
     functions: Sequence[Callable[..., Any]],
     constants: Mapping[str, object],
@@ -188,7 +195,7 @@ def kernel_text(
         inlined = [f"@njit(forceinline=True, {options})"] if text.startswith("def ") else []
         lines += ["", "", *inlined, text]
     for function in functions:
-        source = textwrap.dedent(inspect.getsource(function)).rstrip()
+        source = function_source(function)
         # only loops that ask for it are made parallel: numba warns about any other function
         threads = parallel and "prange(" in source
         lines += ["", "", f"@njit(parallel={threads}, {options})", source]

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import inspect
 import re
-import textwrap
 from collections.abc import Callable, Sequence
 from types import FunctionType, ModuleType
 from typing import Any, NamedTuple
 
+from .._jit import function_source
 from .blocks import BESIDE_AFTER, BESIDE_SLOT, HISTORY_SLOT
 
 FORWARD = ("overlap", "approach", "slip_x", "slip_y", "slip_z", "twist", "bend_x", "bend_y", "bend_z")
@@ -99,7 +99,7 @@ def law_text(law: ModuleType, functions: Sequence[str], prefix: str) -> list[str
 
 def source(function: Callable[..., Any]) -> str:
     """Text of a function, to be inlined."""
-    return textwrap.dedent(inspect.getsource(function)).rstrip()
+    return function_source(function)
 
 
 def asked_names(law: ModuleType, function: str) -> set[str]:

@@ -7,11 +7,12 @@ loop over blocks runs at half its speed. Written into the module of a kernel lik
 
 from __future__ import annotations
 
-from inspect import getsource
 from typing import Any
 
 from llvmlite import ir  # type: ignore[import-untyped]
 from numba.core import types
+
+from .._jit import function_source
 
 _IMPORTS = """from typing import Any
 from llvmlite import ir
@@ -21,11 +22,11 @@ from numba.extending import intrinsic"""
 
 def texts() -> list[str]:
     """What a generated module must hold before `add_fours`, `subtract_fours` and `fetch` can be called in it."""
-    helpers = ["# run while a kernel is compiled\n" + getsource(f) for f in (four_at, combine_fours)]
+    helpers = ["# run while a kernel is compiled\n" + function_source(f) for f in (four_at, combine_fours)]
     return [
         _IMPORTS,
         *helpers,
-        *("@intrinsic\n" + getsource(f) for f in (add_fours, subtract_fours, fetch)),
+        *("@intrinsic\n" + function_source(f) for f in (add_fours, subtract_fours, fetch)),
     ]
 
 

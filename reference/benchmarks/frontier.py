@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from geodem._jit import set_threads, threads_allowed
 from geodem.builders.assembly_builder import AssemblyBuilder
 from geodem.particle_simulation import ParticleSimulation
 from geodem.particle_statics import balance, find_equilibrium
@@ -195,11 +196,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--free", type=int, default=8, help="discs of the cantilever that swings")
     parser.add_argument("--long", type=int, default=40, help="discs of the cantilever that comes to rest")
     parser.add_argument("--periods", type=int, default=5)
-    parser.add_argument("--rounds", type=int, default=3, help="measurements of the run time")
+    parser.add_argument("--rounds", type=int, default=7, help="measurements of the run time")
 
 
 def main(arguments: argparse.Namespace) -> int:
     """Measure, print a line a row, store the rows."""
+    before = threads_allowed()
+    # scenes of milliseconds: to find out whether a second thread pays would take longer
+    set_threads(1)
+    try:
+        _measure(arguments)
+    finally:
+        set_threads(before)
+    return 0
+
+
+def _measure(arguments: argparse.Namespace) -> None:
     results = Results(NAME)
     rounds = arguments.rounds
     collisions(SHARES[-1], arguments.pairs)
@@ -221,7 +233,6 @@ def main(arguments: argparse.Namespace) -> int:
             measured = [rest(driver, tolerance, arguments.long) for _ in range(rounds)]
             about = f"cantilever of {arguments.long} discs"
             results.add(_row("rest", driver, tolerance, "deflection", about, measured, REST))
-    return 0
 
 
 def _row(

@@ -94,7 +94,7 @@ def shear(steps: int = 6000) -> list[Row]:
         rows += [
             relative(name, "displacement [m]", moved, LOAD / 1e9 + RADIUS * turned, bound, seconds),
             relative(name, "rotation F r/kb [rad]", spun, turned, 1e-6, seconds),
-            _imbalance(name, simulation, 1e-3, seconds),
+            _imbalance(name, simulation, 1e-6, seconds),
         ]
     return rows
 

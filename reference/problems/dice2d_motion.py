@@ -220,7 +220,7 @@ def viscous_bouncing() -> list[Row]:
     book = book_step(0.5, mass, 1e7, 1e7)
     flight = 2.0 * 30.0 / GRAVITY
     expected = restitution(2e7, 1e-4, mass, 30.0)
-    for label, step, bound in (("book's step", book, 0.1), ("book's step/100", 0.01 * book, 1e-3)):
+    for label, step, bound in (("book's step", book, 2e-3), ("book's step/100", 0.01 * book, 5e-4)):
         started = time.perf_counter()
         simulation = _bouncing(step, viscosity=1e-4)
         simulation.run(int(1.5 * flight / step))
@@ -231,7 +231,7 @@ def viscous_bouncing() -> list[Row]:
         seconds = time.perf_counter() - started
         rows.append(relative(name, "coefficient of restitution", found, expected, bound, seconds))
         if step < book:
-            rows.append(_imbalance(name, simulation, 1e-3, seconds))
+            rows.append(_imbalance(name, simulation, 1e-4, seconds))
     return rows
 
 
@@ -291,7 +291,7 @@ def sliding() -> list[Row]:
             relative(name, "acceleration [m/s2]", acceleration, rate, 1e-3, seconds),
             relative(name, "distance, spring and eq. 1.58 [m]", found, ahead, 1e-3, seconds),
             relative(name, "distance, eq. 1.58 [m]", found, 0.5 * rate * simulation.time**2, bound, seconds),
-            _imbalance(name, simulation, 2e-3, seconds),
+            _imbalance(name, simulation, 1e-6, seconds),
         ]  # fmt: skip
     return rows
 
@@ -322,7 +322,7 @@ def rolling() -> list[Row]:
         rows += [
             relative(name, "speed [m/s]", speed, math.sqrt(4.0 / 3.0 * GRAVITY * height), bound, seconds),
             relative(name, "spin times radius, without slip [m/s]", spin, speed, bound, seconds),
-            _imbalance(name, simulation, 2e-3, seconds),
+            _imbalance(name, simulation, 1e-6, seconds),
         ]
     return rows
 
