@@ -146,36 +146,26 @@ def advance(
         now = rows[present]
         following = rows[1 - present]
         # what a chunk takes over comes from chunks before it: where they are the same team's, its particles are moved
-        # at once, while they are in the cache
-        for team in prange(teams):
-            first = team * chunks // teams
-            for chunk in range(first, (team + 1) * chunks // teams):
-                awake = not SLEEP or asleep[chunk] == 0
-                if awake or watched(chunk, neighbour_start, neighbour, asleep):
-                    chunk_forces(
-                        chunk, chunk_size, now, pair_start, pair_a, pair_b, local_a, local_b, pair_bond, touching,
-                        history, table, bond_table, bond_scale, halo_start, time_step, first_step + done, breaking,
-                        utilisation, record, sums[chunk], force, halo_force, awake,
-                    )  # fmt: skip
-                if awake and lowest[chunk] >= first:
-                    chunk_motion(
-                        chunk, chunk_size, now, following, into, source, target, inverse_mass, inverse_inertia,
-                        gravity, applied, held, anchor_of, anchors, angle, wall_start, wall_particle, wall_primitive,
-                        wall_touching, wall_history, wall_normal, wall_geometry, wall_feature, shape, kind, body,
-                        vertex, bodies, wall_table, wall_sums, time_step, local_damping, global_damping, old_force,
-                        sums[chunk], force, halo_force,
-                    )  # fmt: skip
-        for team in prange(teams):
-            first = team * chunks // teams
-            for chunk in range(first, (team + 1) * chunks // teams):
-                if lowest[chunk] < first and not (SLEEP and asleep[chunk] != 0):
-                    chunk_motion(
-                        chunk, chunk_size, now, following, into, source, target, inverse_mass, inverse_inertia,
-                        gravity, applied, held, anchor_of, anchors, angle, wall_start, wall_particle, wall_primitive,
-                        wall_touching, wall_history, wall_normal, wall_geometry, wall_feature, shape, kind, body,
-                        vertex, bodies, wall_table, wall_sums, time_step, local_damping, global_damping, old_force,
-                        sums[chunk], force, halo_force,
-                    )  # fmt: skip
+        # at once, while they are in the cache; the others when all teams are done
+        for late in range(2):
+            for team in prange(teams):
+                first = team * chunks // teams
+                for chunk in range(first, (team + 1) * chunks // teams):
+                    awake = not SLEEP or asleep[chunk] == 0
+                    if late == 0 and (awake or watched(chunk, neighbour_start, neighbour, asleep)):
+                        chunk_forces(
+                            chunk, chunk_size, now, pair_start, pair_a, pair_b, local_a, local_b, pair_bond, touching,
+                            history, table, bond_table, bond_scale, halo_start, time_step, first_step + done, breaking,
+                            utilisation, record, sums[chunk], force, halo_force, awake,
+                        )  # fmt: skip
+                    if awake and (lowest[chunk] < first) == (late == 1):
+                        chunk_motion(
+                            chunk, chunk_size, now, following, into, source, target, inverse_mass, inverse_inertia,
+                            gravity, applied, held, anchor_of, anchors, angle, wall_start, wall_particle,
+                            wall_primitive, wall_touching, wall_history, wall_normal, wall_geometry, wall_feature,
+                            shape, kind, body, vertex, bodies, wall_table, wall_sums, time_step, local_damping,
+                            global_damping, old_force, sums[chunk], force, halo_force,
+                        )  # fmt: skip
         fastest = 0.0
         for chunk in range(chunks):
             fastest = max(fastest, sums[chunk, FASTEST])
