@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import inspect
-import textwrap
 from functools import cache
-from types import FunctionType, ModuleType
+from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._jit import compile_kernel
-from ..laws.protocol import argument_names, constants, in_dimension
+from ..laws.protocol import argument_names, constants, in_dimension, sources
 
 Floats = NDArray[np.float64]
 
@@ -75,15 +73,5 @@ def of_links(parameters, {", ".join(SIZES)}, found):
         k = min(i, len(parameters) - 1)
         found[i, 0], found[i, 1], found[i, 2], found[i, 3] = stiffness({", ".join(asked)})
 """
-    texts = [*_with_called(law, "stiffness", {}).values(), loop]
+    texts = [*sources(law, ["stiffness"]).values(), loop]
     return compile_kernel([], constants(law, dimension), parallel=False, texts=texts)
-
-
-def _with_called(law: ModuleType, name: str, found: dict[str, str]) -> dict[str, str]:
-    """Sources of a law's function and of those of its module that it calls, callees first."""
-    function = getattr(law, name, None)
-    if name not in found and isinstance(function, FunctionType) and function.__module__ == law.__name__:
-        for called in function.__code__.co_names:
-            _with_called(law, called, found)
-        found[name] = textwrap.dedent(inspect.getsource(function)).rstrip()
-    return found

@@ -8,13 +8,12 @@ does not exist.
 
 from __future__ import annotations
 
-import inspect
 import re
-from collections.abc import Callable, Sequence
-from types import FunctionType, ModuleType
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from types import ModuleType
+from typing import NamedTuple
 
-from .._jit import function_source
+from ..laws.protocol import argument_names, history_arguments, history_names, sources
 from .blocks import BESIDE_AFTER, BESIDE_SLOT, HISTORY_SLOT
 
 FORWARD = ("overlap", "approach", "slip_x", "slip_y", "slip_z", "twist", "bend_x", "bend_y", "bend_z")
@@ -44,28 +43,15 @@ class HistoryLayout(NamedTuple):
     width: int
 
 
-def stored_names(law: ModuleType, dimension: int) -> tuple[str, ...]:
-    """Names of what a law stores per pair: scalars, tangential components, values about the normal (3D only)."""
-    axes = AXES if dimension == 3 else AXES[:1]
-    names = [*law.SCALAR, *(f"{name}_{axis}" for name in law.TANGENTIAL for axis in axes)]
-    return tuple(names + (list(law.AXIAL) if dimension == 3 else []))
-
-
-def returned_names(law: ModuleType) -> tuple[str, ...]:
-    """Names of the history that a law returns, in its order: always three components and the axial values."""
-    tangential = [f"{name}_{axis}" for name in law.TANGENTIAL for axis in AXES]
-    return (*law.SCALAR, *tangential, *law.AXIAL)
-
-
 def history_layout(
     contact: ModuleType, bond: ModuleType | None, *, dimension: int, energy: bool, shear: bool = True
 ) -> HistoryLayout:
     """Columns of the history of a scene's pairs; without `shear` the contact law stores no tangential history."""
-    contact_names = stored_names(contact, dimension)
+    contact_names = history_names(contact, dimension)
     if not shear:
         dropped = tuple(f"{name}_{axis}" for name in contact.TANGENTIAL for axis in AXES)
         contact_names = tuple(name for name in contact_names if name not in dropped)
-    bond_names = stored_names(bond, dimension) if bond is not None else ()
+    bond_names = history_names(bond, dimension) if bond is not None else ()
     width = len(contact_names) + len(bond_names)
     offset = stored = None
     if bond is not None:
@@ -77,34 +63,13 @@ def history_layout(
 
 def law_text(law: ModuleType, functions: Sequence[str], prefix: str) -> list[str]:
     """Sources of a law's functions and of those of its module that they call, each name with a prefix."""
-    found: dict[str, str] = {}
-
-    def collect(name: str) -> None:
-        function = getattr(law, name, None)
-        if name in found or not isinstance(function, FunctionType) or function.__module__ != law.__name__:
-            return
-        for called in function.__code__.co_names:
-            collect(called)
-        found[name] = source(function)
-
-    for name in functions:
-        collect(name)
+    found = sources(law, functions)
     renamed = []
     for text in found.values():
         for name in found:
             text = re.sub(rf"\b{name}\(", f"{prefix}_{name}(", text)
         renamed.append(text)
     return renamed
-
-
-def source(function: Callable[..., Any]) -> str:
-    """Text of a function, to be inlined."""
-    return function_source(function)
-
-
-def asked_names(law: ModuleType, function: str) -> set[str]:
-    """What a law's function asks for."""
-    return set(inspect.signature(getattr(law, function)).parameters)
 
 
 def module_constants(*modules: ModuleType) -> dict[str, object]:
@@ -147,7 +112,7 @@ def _call(
     places = {field: f"parameters[{k}]" for k, field in enumerate(fields)}
     places |= {value: f"history[{k}]" for k, value in enumerate(history)}
     places |= {value: value for value in menu}
-    wanted = inspect.signature(getattr(law, name)).parameters
+    wanted = argument_names(getattr(law, name))
     # a component that the dimension lacks is zero and not stored
     arguments = [places.get(argument, "0.0") for argument in wanted]
     return f"{prefix}_{name}({', '.join(arguments)})"
@@ -232,7 +197,7 @@ def _law_adapter(
     fields = law.PARAMETERS._fields
     forces = ["normal", "shear_force_x", "shear_force_y", "shear_force_z"]
     moments = ["twist_moment", "bend_moment_x", "bend_moment_y", "bend_moment_z"]
-    returned = returned_names(law)
+    returned = history_arguments(law)
     targets = forces + (moments if law.MOMENT else []) + [f"new_{value}" for value in returned] + list(extra)
     lines = [f"{', '.join(targets)} = {_call(law, 'force', prefix, fields, history, menu)}"]
     values = [*forces, *(moments if law.MOMENT else ["0.0"] * 4)]

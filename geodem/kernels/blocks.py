@@ -54,6 +54,10 @@ BESIDE_SLOT = 36
 """History of the contact beside a bond, in rows."""
 BESIDE_AFTER = 16
 """The same after the step, counted from AFTER."""
+HISTORIES = 16
+"""Most values that a law may remember; one that remembers more is computed pair by pair."""
+BESIDE_HISTORIES = 12
+"""The same of a contact beside a bond."""
 # In rows: what some laws ask for, and what the laws leave.
 RADIUS_A = 48 * LANES
 RADIUS_B = 49 * LANES

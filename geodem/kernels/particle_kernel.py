@@ -7,19 +7,18 @@ from dataclasses import dataclass, replace
 from types import ModuleType
 from typing import Any
 
-from .._jit import compile_kernel
+from .._jit import compile_kernel, function_source
 from ..laws import BOND_LAWS, CONTACT_LAWS
+from ..laws.protocol import argument_names
 from ..laws.protocol import constants as law_constants
 from . import blocks, fours, motion, pairs, sleep, steps, wall_geometry, wall_motion, walls
 from .adapters import (
     HistoryLayout,
-    asked_names,
     bond_adapters,
     contact_adapters,
     history_layout,
     module_constants,
     no_bond_adapters,
-    source,
     wall_adapters,
 )
 
@@ -94,7 +93,13 @@ class Features:
 
     def in_blocks(self) -> bool:
         """Whether pairs are computed in blocks; without shear some fours of a block would not be read whole."""
-        return self.blocked and self.dimension == 3 and not self.energy and "shear_x" in self.layout().contact
+        layout = self.layout()
+        if not self.blocked or self.dimension != 3 or self.energy or "shear_x" not in layout.contact:
+            return False
+        # a block has so many places for what the laws remember
+        return max(len(layout.contact), len(layout.bond)) <= blocks.HISTORIES and (
+            self.bond_law is None or len(layout.contact) <= blocks.BESIDE_HISTORIES
+        )
 
     def relaxing(self) -> Features:
         """The same scene for the static relaxation: no real time, hence nothing that damps it."""
@@ -120,7 +125,7 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
         )
         law_functions += bond_functions
         adapters += more
-    adapters += [*fours.texts(), source(pairs.fetch_ahead)]
+    adapters += [*fours.texts(), function_source(pairs.fetch_ahead)]
     loops: list[Callable[..., Any]] = []
     if not blocked:
         loops += [pairs.account, pairs.range_of_pairs, pairs.pairs]
@@ -135,12 +140,12 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
         if features.facets:
             loops += walls.FACET_FUNCTIONS
         else:
-            adapters += [source(f) for f in walls.PLANE_FUNCTIONS]
+            adapters += [function_source(f) for f in walls.PLANE_FUNCTIONS]
         loops += [walls.wall_forces, *wall_motion.MOTION_FUNCTIONS]
     else:
         adapters += ["wall_forces = None", "gather_wall_forces = None", "move_walls = None"]
     if blocked:
-        adapters += [source(f) for f in blocks.INLINED]
+        adapters += [function_source(f) for f in blocks.INLINED]
         loops += blocks.FUNCTIONS
     if features.sleep:
         loops += sleep.FUNCTIONS
@@ -167,13 +172,15 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
 def _constants(features: Features, contact: ModuleType, bond: ModuleType | None) -> dict[str, object]:
     layout = features.layout()
     space = features.dimension == 3
-    asked = asked_names(contact, "force") | (
-        asked_names(contact, "viscous") if features.contact_viscous else set()
-    )
-    if bond is not None:
-        asked |= asked_names(bond, "force") | (
-            asked_names(bond, "viscous") if features.bond_viscous else set()
-        )
+    called = [(contact, "force"), (contact, "reach"), (bond, "force")]
+    called += [(contact, "viscous")] if features.contact_viscous else []
+    called += [(bond, "viscous")] if features.bond_viscous else []
+    asked = {
+        name
+        for law, function in called
+        if hasattr(law, function)
+        for name in argument_names(getattr(law, function))
+    }
     return {
         **law_constants(contact, features.dimension),
         **({} if bond is None else law_constants(bond, features.dimension)),

@@ -12,7 +12,6 @@ import dis
 import inspect
 import itertools
 import math
-import textwrap
 import types
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import ModuleType
@@ -21,6 +20,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from .._jit import function_source
 from ..errors import InputError, InputErrors
 
 MENU = {
@@ -91,6 +91,30 @@ def constants(law: ModuleType, dimension: int) -> dict[str, bool | int | float]:
     found = {name: getattr(law, name) for name in sorted(names) if name.isupper()}
     if "SPHERES" in found:
         found["SPHERES"] = dimension == 3
+    return found
+
+
+def sources(law: ModuleType, functions: Iterable[str]) -> dict[str, str]:
+    """Texts of a law's functions and of those of its module that they call, by name, callees first.
+
+    What the law lacks is left out.
+    """
+    found: dict[str, str] = {}
+
+    def collect(name: str) -> None:
+        function = getattr(law, name, None)
+        if (
+            name in found
+            or not isinstance(function, types.FunctionType)
+            or function.__module__ != law.__name__
+        ):
+            return
+        for called in function.__code__.co_names:
+            collect(called)
+        found[name] = function_source(function)
+
+    for name in functions:
+        collect(name)
     return found
 
 
@@ -244,7 +268,7 @@ def _check_globals(place: str, law: ModuleType, function: Callable[..., Any]) ->
 
 def _check_return(place: str, function: Callable[..., Any], count: int) -> None:
     """One return at the end, of a flat tuple: a loop over many pairs at once knows no early return."""
-    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
+    tree = ast.parse(function_source(function))
     returns = [node for node in ast.walk(tree) if isinstance(node, ast.Return)]
     body = tree.body[0].body if isinstance(tree.body[0], ast.FunctionDef) else []
     if len(returns) != 1 or not body or body[-1] is not returns[0]:
