@@ -362,8 +362,8 @@ class ParticleSimulation(ParticleReading):
             self._pilot.learn(seconds / done)
         self.phase = (self.phase + done) & 1
         self.steps += done
-        self.moved += moved
-        self.carried += carried
+        self.moved = moved
+        self.carried = carried
         if not math.isfinite(self.moved) or not math.isfinite(self.carried):
             raise self._unstable()
         return int(done), float(damping)
@@ -392,7 +392,7 @@ class ParticleSimulation(ParticleReading):
             t.shape, t.kind, t.body, t.vertex, t.bodies, self.wall_parameters, self.wall_sums,
             float(time_step), self.steps, float(breaking), float(self.local_damping), float(global_damping),
             float(damping_ratio), old_force, self.utilisation, self.record, self.sums, self.force, self.halo_force,
-            float(self.buffer - self.moved - self.carried), self.asleep, self.quiet, around, neighbour,
+            float(self.moved), float(self.carried), float(self.buffer), self.asleep, self.quiet, around, neighbour,
             float(sleep.speed), sleep.steps,
         )  # fmt: skip
 

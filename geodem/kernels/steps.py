@@ -117,15 +117,16 @@ def advance(
     wall_start, wall_particle, wall_primitive, wall_touching, wall_history, wall_normal, wall_geometry, wall_feature,
     shape, kind, body, vertex, bodies, wall_table, wall_sums,
     time_step, first_step, breaking, local_damping, global_damping, damping_ratio, old_force, utilisation, record, sums,
-    force, halo_force, allowance, asleep, quiet, neighbour_start, neighbour, sleep_speed, sleep_steps,
+    force, halo_force, moved, carried, buffer, asleep, quiet, neighbour_start, neighbour, sleep_speed, sleep_steps,
 ):  # fmt: skip
     """Up to `steps` steps; fewer where particles may have moved farther than the pair list allows.
 
     teams: parts of the chunks that are computed at the same time, one a thread; no bit depends on their number.
     rows (2, n, 8 or 12), phase: which of the two holds the present; local_a to target: see `geodem.neighbors.halo`;
-    sums (chunks, 17); force (n, 3 or 6): resultants of the last step, halo_force (h, 3 or 6); allowance [m]: how far
-    particles and walls may still move together; global_damping, damping_ratio: where RELAX, the damping of the first
-    step and its share of the critical one of the lowest frequency in motion.
+    sums (chunks, 17); force (n, 3 or 6): resultants of the last step, halo_force (h, 3 or 6); moved, carried [m]: how
+    far particles and walls may have moved since the last search, added up here so that no rounding depends on where a
+    batch of steps ended; buffer [m]: of the pair list; global_damping, damping_ratio: where RELAX, the damping of the
+    first step and its share of the critical one of the lowest frequency in motion.
     Sleep: asleep (chunks,) uint8, quiet (chunks,) steps that a chunk and all around it have been slower than
     sleep_speed; neighbour_start, neighbour: the chunks around each one.
 
@@ -134,13 +135,11 @@ def advance(
     done : int
         Steps taken.
     moved, carried : float
-        Bounds of the ways that both particles of a pair, and any wall, have gone [m].
+        Bounds of the ways that both particles of a pair, and any wall, have gone since the last search [m].
     global_damping : float
         Of the last step.
     """
     chunks = len(sums)
-    moved = 0.0
-    carried = 0.0
     for done in range(steps):
         present = (phase + done) & 1
         now = rows[present]
@@ -187,7 +186,7 @@ def advance(
                 chunk_size, rows, present, sums, asleep, quiet, neighbour_start, neighbour, sleep_speed, sleep_steps,
                 wall_start, wall_primitive, body, bodies,
             )  # fmt: skip
-        # not "moved > allowance": a motion that is no number must stop the run too
-        if not (moved + carried <= allowance):
+        # not "moved > buffer": a motion that is no number must stop the run too
+        if not (moved + carried <= buffer):
             return done + 1, moved, carried, global_damping
     return steps, moved, carried, global_damping
