@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from .bond import parallel_bond, two_springs
+from .bond import parallel_bond, rotational_bond, two_springs
 from .contact import cohesive_frictional, hertz, linear_frictional, linear_incremental
 from .ground import mohr_coulomb
 
@@ -27,5 +27,7 @@ CONTACT_LAWS: dict[str, ModuleType] = {
 }
 """Laws of particles that touch by name."""
 
-BOND_LAWS: dict[str, ModuleType] = {module.NAME: module for module in (two_springs, parallel_bond)}
+BOND_LAWS: dict[str, ModuleType] = {
+    module.NAME: module for module in (two_springs, parallel_bond, rotational_bond)
+}
 """Laws of bonded particles by name."""

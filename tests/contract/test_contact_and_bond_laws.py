@@ -312,7 +312,7 @@ def test_two_materials(law):
     assert law.combine(first, first) == first
     both = law.combine(first, second)
     assert law.combine(second, first) == pytest.approx(both, rel=1e-15)
-    stiff = {"normal_stiffness", "shear_stiffness", "young_modulus"} & set(first._fields)
+    stiff = {name for name in first._fields if name.endswith(("_stiffness", "young_modulus"))}
     assert stiff
     rigid = first._replace(**dict.fromkeys(stiff, 1e30))
     wall = law.against_rigid(first)

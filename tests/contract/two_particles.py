@@ -61,6 +61,18 @@ LAWS = {
         "friction_coefficient": 0.3,
         "moment_contribution": 0.7,
     },
+    "rotational_bond": {
+        "normal_stiffness": 2e7,
+        "shear_stiffness": 8e6,
+        "twisting_stiffness": 200.0,
+        "bending_stiffness": 300.0,
+        "tensile_strength": 400.0,
+        "shear_strength": 300.0,
+        "twisting_strength": 1.2,
+        "bending_strength": 1.5,
+        "normal_viscosity": 1e-5,
+        "shear_viscosity": 2e-5,
+    },
 }
 """Parameters of every law that let the paths slide and break, and every one of them matter."""
 
@@ -69,6 +81,8 @@ ELASTIC = {
     "tensile_strength": np.inf,
     "cohesion": np.inf,
     "shear_strength": np.inf,
+    "twisting_strength": np.inf,
+    "bending_strength": np.inf,
 }
 """Strengths that no path reaches."""
 
