@@ -98,6 +98,28 @@ class Anchors:
 
 
 @dataclass(frozen=True)
+class Cell:
+    """A periodic cell as it is at the start.
+
+    Attributes
+    ----------
+    vectors : (d, d) [m]
+        Rows: its edges, right-handed.
+    periodic : (d,) bool
+        Along which edges it is periodic.
+    """
+
+    vectors: Floats
+    periodic: tuple[bool, ...]
+
+    def nearest(self, apart: Floats) -> Floats:
+        """Ways (k, d) [m] to the nearest images; right for ways up to half the thickness of the cell."""
+        share = np.floor(apart @ np.linalg.inv(self.vectors) + 0.5)
+        share[:, ~np.array(self.periodic)] = 0.0
+        return np.asarray(apart - share @ self.vectors)
+
+
+@dataclass(frozen=True)
 class Assembly:
     """Discs (2D, per metre of length) or spheres (3D).
 
@@ -132,6 +154,8 @@ class Assembly:
     gravity : (d,) [m/s2]
     anchors : Anchors or None
     walls : tuple of Wall
+    cell : Cell or None
+        Positions may lie anywhere: every particle stands for all its images.
     """
 
     dimension: int
@@ -154,6 +178,7 @@ class Assembly:
     gravity: Floats
     anchors: Anchors | None = None
     walls: tuple[Wall, ...] = field(default=())
+    cell: Cell | None = None
 
     @property
     def particles(self) -> int:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .assembly import Assembly
 from .errors import InputError
-from .neighbors import PairList, spatial_order
+from .neighbors import PairList, lattice, spatial_order, wrapped
 
 Floats = NDArray[np.float64]
 
@@ -82,7 +82,10 @@ class RowArrays:
 
 def first_order(assembly: Assembly) -> NDArray[np.int64]:
     """Particle of every row at the start."""
-    return spatial_order(assembly.positions, assembly.radii)
+    places = assembly.positions
+    if assembly.cell is not None:
+        places = wrapped(places, lattice(assembly.cell.vectors, assembly.cell.periodic), assembly.dimension)
+    return spatial_order(np.ascontiguousarray(places), assembly.radii)
 
 
 def first_rows(assembly: Assembly, ids: NDArray[np.int64]) -> Floats:

@@ -25,6 +25,7 @@ from .integrators.network import (
 from .kernels.link_products import link_product
 
 if TYPE_CHECKING:
+    from .particle_cell import ParticleCell
     from .particle_simulation import ParticleSimulation
 
 Floats = NDArray[np.float64]
@@ -32,6 +33,9 @@ Floats = NDArray[np.float64]
 MATRIX_LIMIT = 20_000
 """Up to this many particles the largest frequency is that of a matrix; beyond, no matrix is made."""
 
+
+LEAST_OVERLAP = 2e-3
+"""Over the radius: contacts count at least as stiff as with this overlap where a cell's servo must not overshoot."""
 
 MOST_PARTS = 100
 """Loose parts that are looked at: one that falls is enough to know that there is no equilibrium."""
@@ -114,7 +118,27 @@ def falling_freely(simulation: ParticleSimulation) -> NDArray[np.int64]:
     return np.concatenate([np.empty(0, dtype=np.int64), *found])
 
 
-def _pair_links(s: ParticleSimulation, *, listed: bool = True) -> Links:
+def contact_modulus(s: ParticleSimulation) -> float:
+    """Sum of kn d^2 over all listed pairs and the volume of the cell [Pa]: no part of its stiffness is more.
+
+    At least that of one contact a particle.
+    """
+    assert s.cell is not None
+    found = _pair_links(s, least=LEAST_OVERLAP)
+    contact, _ = s.features.laws()
+    radius = s.now[:, s.columns.radius]
+    r = np.array([float(radius.max())])
+    single = max(
+        law_stiffness(
+            contact, s.dimension, row[None], radius_a=r, radius_b=r, distance=2 * r, overlap=LEAST_OVERLAP * r
+        )[0, 0]
+        for row in s.table
+    )
+    alone = float(single * (4.0 * radius**2).sum())
+    return max(float((found.kn * found.arms.sum(axis=1) ** 2).sum()), alone) / s.cell.volume
+
+
+def _pair_links(s: ParticleSimulation, *, listed: bool = True, least: float = 0.0) -> Links:
     p, columns = s.pairs, s.columns
     chosen: slice | NDArray[np.intp] = (
         slice(None) if listed else np.flatnonzero((p.bond > 0) | (p.touching > 0))
@@ -126,6 +150,8 @@ def _pair_links(s: ParticleSimulation, *, listed: bool = True) -> Links:
     positions = np.ascontiguousarray(now[:, columns.position])
     apart = positions[second]
     apart -= positions[first]
+    if s.cell is not None:
+        apart += s.cell.shifts(p.image[chosen])
     distance = np.sqrt(np.einsum("ij,ij->i", apart, apart))
     radii = np.ascontiguousarray(now[:, columns.radius])
     radius_a, radius_b = radii[first], radii[second]
@@ -145,7 +171,7 @@ def _pair_links(s: ParticleSimulation, *, listed: bool = True) -> Links:
         given_sizes = {name: value[which] for name, value in sizes.items()}
         return law_stiffness(law, s.dimension, parameters(table, which), overlap=given[which], **given_sizes)
 
-    pressed = np.maximum(overlap, 0.0)
+    pressed = np.maximum(overlap, least * np.minimum(radius_a, radius_b))
     if bond is not None and bond.REPLACES_CONTACT:
         stiffness = np.zeros((len(first), 4))
         stiffness[~bonded] = stiffness_of(contact, s.table, ~bonded, pressed)
@@ -205,6 +231,23 @@ def _wall_normals(
     size = np.sqrt((normal**2).sum(axis=1))
     size[size == 0.0] = 1.0
     return np.ascontiguousarray((normal / size[:, None])[:, :d])
+
+
+def wall_branches(s: ParticleCell, which: NDArray[np.int64]) -> Floats:
+    """Ways (k, d) [m] from the centres to where the pairs of the list of wall pairs touch."""
+    w, d = s.wall_pairs, s.dimension
+    particle, primitive = w.particle[which].astype(np.int64), w.primitive[which]
+    corners, kind = s.walls.corners_now()[primitive], s.walls.kind[primitive]
+    centre = np.zeros((len(particle), 3))
+    centre[:, :d] = s.now[particle][:, s.columns.position]
+    ways = np.empty((len(particle), 3))
+    flat = kind == 0
+    normal = corners[flat, 1]
+    ways[flat] = -((centre[flat] - corners[flat, 0]) * normal).sum(axis=1)[:, None] * normal
+    for chosen, k in ((kind == 1, 2), (kind == 2, 3)):
+        if chosen.any():
+            ways[chosen] = closest_point(centre[chosen], corners[chosen][:, :k]) - centre[chosen]
+    return np.ascontiguousarray(ways[:, :d])
 
 
 def closest_point(points: Floats, corners: Floats) -> Floats:

@@ -17,6 +17,7 @@ from .kernels.particle_kernel import Features
 from .measure.contact_forces import law_forces
 from .measure.particle_energy import HalfStep, ParticleEnergy, half_step_ahead
 from .neighbors import Halo, PairList
+from .particle_cell import ParticleCell
 from .particle_layout import Columns, RowArrays
 
 Floats = NDArray[np.float64]
@@ -69,7 +70,7 @@ class Contacts:
     history: dict[str, Floats]
 
 
-class ParticleReading:
+class ParticleReading(ParticleCell):
     """The arrays of a particle simulation, by row, and how they are read; nothing here changes them.
 
     Attributes
@@ -222,7 +223,7 @@ class ParticleReading:
         """Pairs that touch or are bonded."""
         p, ids, which = self.pairs, self.arrays.ids, self._touching_pairs()
         a, b = p.a[which], p.b[which]
-        apart = self.now[b][:, self.columns.position] - self.now[a][:, self.columns.position]
+        apart = self._branches(which)
         radius = self.columns.radius
         overlap = self.now[a, radius] + self.now[b, radius] - np.sqrt((apart**2).sum(axis=1))
         history = p.history[which]
@@ -246,7 +247,7 @@ class ParticleReading:
         """
         p, columns, which = self.pairs, self.columns, self._touching_pairs()
         a, b = self.now[p.a[which]], self.now[p.b[which]]
-        apart = b[:, columns.position] - a[:, columns.position]
+        apart = self._branches(which)
         distance = np.sqrt((apart**2).sum(axis=1))
         along = apart / distance[:, None]
         radius = columns.radius
@@ -335,6 +336,7 @@ class ParticleReading:
             applied=float(sums[motion.FORCING]),
             driven=float(sums[motion.DRIVEN]) - ahead.driven,
             walls=float(self.walls.work().sum()) if self.assembly.walls else 0.0,
+            cell=0.0 if self.cell is None else self.cell.work,
             initial=self.initial_energy,
         )
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .assembly import Assembly
+from .boundaries.cell import PeriodicCell
 from .boundaries.wall_pairs import contact_sum
 from .boundaries.wall_table import set_servo_gains
 from .errors import InputError
@@ -16,7 +17,7 @@ from .kernels import motion
 from .kernels.particle_kernel import Features
 from .neighbors import PairList, bond_pairs, rebuild
 from .particle_layout import finite, wall_parameters
-from .particle_network import current_links
+from .particle_network import contact_modulus, current_links
 
 if TYPE_CHECKING:
     from .particle_simulation import ParticleSimulation
@@ -48,6 +49,17 @@ def choose_buffer(assembly: Assembly, given: float | None) -> float:
     if not (math.isfinite(buffer) and buffer > 0.0):
         raise InputError("buffer", "this is no distance", "Give more than 0 m, or leave it out", value=given)
     return buffer
+
+
+def start_cell(assembly: Assembly, buffer: float, sleep: object) -> PeriodicCell | None:
+    """The periodic cell at the start; raises InputError where it is too thin or something in it sleeps."""
+    if assembly.cell is None:
+        return None
+    if sleep is not None:
+        raise InputError("sleep", "in a periodic cell nothing can be skipped", "Leave it out")
+    cell = PeriodicCell.at_start(assembly.cell, 2.0 * float(assembly.radii.max()) + buffer)
+    cell.settle()
+    return cell
 
 
 def parameter_tables(assembly: Assembly, beta: float) -> tuple[Floats, Floats, Floats]:
@@ -110,6 +122,7 @@ def scene_features(s: ParticleSimulation, *, energy: bool, orientation: bool) ->
         global_damping=s.global_damping > 0.0,
         energy=energy,
         sleep=s.sleep is not None,
+        periodic=a.cell is not None,
         blocked=d == 3 and s.parallel and not energy,
     )
 
@@ -130,11 +143,13 @@ def first_pairs(s: ParticleSimulation) -> PairList:
     a, layout = s.assembly, s.layout
     common: dict[str, Any] = {
         "chunk": s.chunk, "buffer": s.buffer, "dimension": s.dimension, "history_width": layout.width,
+        "cell": None if s.cell is None else s.cell.lattice(),
     }  # fmt: skip
     if a.bond_law is None or not len(a.bonds):
         return rebuild(s.now, s.arrays.ids, None, **common)
     assert layout.offset is not None
-    distance = np.linalg.norm(a.positions[a.bonds[:, 0]] - a.positions[a.bonds[:, 1]], axis=1)
+    apart = a.positions[a.bonds[:, 0]] - a.positions[a.bonds[:, 1]]
+    distance = np.linalg.norm(apart if a.cell is None else a.cell.nearest(apart), axis=1)
     histories = np.zeros((len(a.bonds), len(layout.bond) + 1))
     histories[:, -1] = distance - a.radii[a.bonds].sum(axis=1)
     return bond_pairs(s.now, s.arrays.ids, a.bonds, histories, offset=len(layout.contact), **common)
@@ -160,7 +175,12 @@ def choose_time_step(critical: float, given: float | None) -> float:
 
 
 def choose_servo_gains(s: ParticleSimulation) -> None:
-    """Gains of servos that were given none, from the stiffness of the contacts that touch their walls now."""
+    """Gains of servos that were given none, from the stiffness of the contacts that touch their walls now.
+
+    Of a cell's, from that of all pairs listed.
+    """
+    if s.cell is not None and s.cell.servo:
+        s.cell.set_gain(contact_modulus(s), s.time_step)
     if any(wall.servo is not None and wall.servo.gain is None for wall in s.assembly.walls):
         links = current_links(s, walls_only=True)
         one = float(links.kn.max()) if len(links.kn) else float(s.table[:, 0].max())

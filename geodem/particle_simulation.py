@@ -22,7 +22,7 @@ from .boundaries.wall_table import wall_table
 from .errors import InputError
 from .io.particle_checkpoint import read_particles, write_particles
 from .kernels.particle_kernel import Features, compile_particle_kernel
-from .neighbors import find_halo, max_displacement, rebuild, spatial_order
+from .neighbors import find_halo, max_displacement, rebuild, spatial_order, wrapped
 from .particle_layout import (
     NOTHING_AROUND,
     Columns,
@@ -44,6 +44,7 @@ from .particle_setup import (
     parameter_tables,
     refuse_damping,
     scene_features,
+    start_cell,
     start_half_a_step_back,
 )
 from .particle_state import restore, state_tree
@@ -119,6 +120,7 @@ class ParticleSimulation(ParticleReading):
         self.parallel = n > SERIAL_LIMIT
         self.chunk = chunk_size(n, not self.parallel)
         self.buffer = choose_buffer(assembly, buffer)
+        self.cell = start_cell(assembly, self.buffer, sleep)
         tables = parameter_tables(assembly, stiffness_damping)
         self.table, self.bond_table, self.wall_parameters = tables
         orientation = self.dimension == 2 if orientation is None else orientation
@@ -141,7 +143,7 @@ class ParticleSimulation(ParticleReading):
         self.utilisation = np.zeros((max(bonds, 1), 2))
         self.bond_scale = np.ascontiguousarray(assembly.bond_scale) if bonds else np.ones(1)
         chunks = (n + self.chunk - 1) // self.chunk
-        self.sums = np.zeros((chunks, 17))
+        self.sums = np.zeros((chunks, 17 if self.cell is None else 26))
         self.wall_sums = np.zeros((chunks, max(len(assembly.walls), 1), assembly.held.shape[1]))
         self.force = np.zeros((n, assembly.held.shape[1]))
         self.asleep = np.zeros(chunks, dtype=np.uint8)
@@ -213,6 +215,8 @@ class ParticleSimulation(ParticleReading):
         self._old_row_of_new = None
         self.listed()
         self.reference = self.now[:, self.columns.position].copy()
+        if self.cell is not None:
+            self.cell.searched()
         self.moved = 0.0
         self.carried = 0.0
 
@@ -236,9 +240,11 @@ class ParticleSimulation(ParticleReading):
                 and self._share_across() > DISORDER + self.sorted_share
             )
         new_of_old = None
+        if self.cell is not None:
+            self.cell.settle()
         if sort:
             order = spatial_order(
-                np.ascontiguousarray(self.now[:, self.columns.position]),
+                np.ascontiguousarray(self._places_in_order()),
                 np.ascontiguousarray(self.now[:, self.columns.radius]),
             )
             new_of_old = np.empty_like(order)
@@ -254,11 +260,21 @@ class ParticleSimulation(ParticleReading):
         self.pairs = rebuild(
             self.now, self.arrays.ids, self.pairs, self._old_row_of_new, new_of_old, chunk=self.chunk,
             buffer=self.buffer, dimension=self.dimension, history_width=self.layout.width,
+            cell=None if self.cell is None else self.cell.lattice(),
         )  # fmt: skip
         self._searched()
         if sort or self.sorted_share < 0.0:
             self.sorted_share = self._share_across()
         self.searches += 1
+        choose_servo_gains(self)
+
+    def _places_in_order(self) -> Floats:
+        """Places by row, as near to each other as they act on each other."""
+        if self.cell is None:
+            return np.asarray(self.now[:, self.columns.position])
+        return wrapped(self.now, self.cell.lattice(), self.dimension)
+
+    def _choose_cell_gain(self) -> None:
         choose_servo_gains(self)
 
     def _share_across(self) -> float:
@@ -268,7 +284,8 @@ class ParticleSimulation(ParticleReading):
     def _look(self) -> None:
         """Search anew where particles may have moved too far."""
         # the bound counts every swing; what counts is where the particles are
-        self.moved = 2.0 * max_displacement(self.now, self.reference)
+        reference = self.reference if self.cell is None else self.cell.carried_along(self.reference)
+        self.moved = 2.0 * max_displacement(self.now, reference)
         if not self.moved + self.carried <= 0.7 * self.buffer:
             self.search()
 
@@ -319,6 +336,8 @@ class ParticleSimulation(ParticleReading):
         )  # fmt: skip
         self.steps -= 1
         self.started = True
+        if self.cell is not None:
+            self.cell.begin()
         start_half_a_step_back(self)
 
     def begin_stage(self, *, moving: bool) -> None:
@@ -393,7 +412,7 @@ class ParticleSimulation(ParticleReading):
             float(time_step), self.steps, float(breaking), float(self.local_damping), float(global_damping),
             float(damping_ratio), old_force, self.utilisation, self.record, self.sums, self.force, self.halo_force,
             float(self.moved), float(self.carried), float(self.buffer), self.asleep, self.quiet, around, neighbour,
-            float(sleep.speed), sleep.steps,
+            float(sleep.speed), sleep.steps, p.image, NO_CELL if self.cell is None else self.cell.state,
         )  # fmt: skip
 
     def _unstable(self) -> UnstableError:
@@ -407,6 +426,8 @@ class ParticleSimulation(ParticleReading):
 
 
 _NOTHING = np.zeros((1, 6))
+
+NO_CELL = np.zeros(1)
 
 NO_TIME = 1e-200
 """A step in which nothing moves, yet velocities can be told from increments [s]."""

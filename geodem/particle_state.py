@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .assembly import Assembly
+from .boundaries.cell import PeriodicCell
 from .boundaries.wall_pairs import WallPairs
 from .boundaries.wall_table import wall_table
 from .errors import InputError
 from .io.checkpoint import PARTICLES, Tree
+from .kernels.cell import CELL_WIDTH
 from .kernels.particle_kernel import Features
 from .neighbors import PairList
 from .particle_layout import Columns, RowArrays, Sleep, anchor_table
@@ -31,7 +33,7 @@ ARRAYS = {
     "record": (np.float64, "b ?"),
     "utilisation": (np.float64, "b 2"),
     "bond_scale": (np.float64, "b"),
-    "sums": (np.float64, "c 17"),
+    "sums": (np.float64, "c ?"),
     "wall_sums": (np.float64, "c ? f"),
     "asleep": (np.uint8, "c"),
     "quiet": (np.int64, "c"),
@@ -64,6 +66,7 @@ def state_tree(s: ParticleSimulation) -> Tree:
         "pairs": _parts(s.pairs),
         "wall_pairs": _parts(s.wall_pairs),
         "bodies": s.walls.bodies,
+        **({} if s.cell is None else {"cell": s.cell.state}),
         "plain": {
             "numbers": {name: _plain(getattr(s, name)) for name in NUMBERS},
             "features": asdict(s.features),
@@ -111,6 +114,7 @@ def _fill(s: ParticleSimulation, assembly: Assembly, tree: Mapping[str, Any]) ->
     s.anchors = anchor_table(assembly)
     s.walls = wall_table(assembly.walls, assembly.dimension)
     s.walls.bodies = tree["bodies"]
+    s.cell = None if assembly.cell is None else PeriodicCell(assembly.cell.periodic, tree["cell"])
 
 
 def _check(s: ParticleSimulation) -> None:
@@ -131,6 +135,12 @@ def _check(s: ParticleSimulation) -> None:
         )
         if array.dtype != kind or not right:
             raise ValueError(f"{name} is {array.dtype} {array.shape}")
+    if s.sums.shape[1] != (17 if s.cell is None else 26):
+        raise ValueError("sums do not fit")
+    if s.cell is not None and (
+        s.cell.state.shape != (CELL_WIDTH,) or p.image.shape != (len(p.a), s.dimension)
+    ):
+        raise ValueError("the cell is cut off")
     if not np.array_equal(np.sort(s.arrays.ids), np.arange(n)):
         raise ValueError("the rows are not those of the particles")
     within = (

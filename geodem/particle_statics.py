@@ -373,6 +373,7 @@ class _Standstill:
             rows[:, s.columns.velocity] = 0.0
             rows[:, s.columns.spin] = 0.0
         self.bodies = s.walls.stop()
+        self.cell = None if s.cell is None else s.cell.stop()
 
     def __exit__(self, *problem: object) -> None:
         s = self.simulation
@@ -383,4 +384,6 @@ class _Standstill:
             rows[:, s.columns.velocity] = np.where(held[:, :d], self.velocities, 0.0)[ids]
             rows[:, s.columns.spin] = np.where(held[:, d:], self.spins, 0.0)[ids]
         s.walls.go_on(self.bodies)
+        if s.cell is not None and self.cell is not None:
+            s.cell.go_on(self.cell)
         s.order_kept = False

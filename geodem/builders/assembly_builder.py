@@ -5,17 +5,18 @@ Every number is looked at when it is given, the whole when it is built; nothing 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geodem.assembly import DISC_INERTIA, SPHERE_INERTIA, Anchors, Assembly, Wall
+from geodem.assembly import DISC_INERTIA, SPHERE_INERTIA, Anchors, Assembly, Cell, Wall
 from geodem.boundaries.checks import wall_errors
 from geodem.builders import assembly_checks as checks
 from geodem.builders.assembly_checks import as_numbers, bad_entries, chosen, raise_all
 from geodem.builders.bond_scatter import LognormalScatter
+from geodem.builders.cell_checks import cell_errors, make_cell
 from geodem.builders.close_pairs import close_pairs
 from geodem.builders.interactions import Materials, find_law, pair_of
 from geodem.builders.memory import refuse_too_large
@@ -81,11 +82,24 @@ class AssemblyBuilder:
         self._scale = np.empty(0)
         self._anchors: list[tuple[NDArray[np.int64], Floats, Floats, Floats]] = []
         self._walls: list[Wall] = []
+        self._cell: Cell | None = None
 
     @property
     def particles(self) -> int:
         """Number of particles so far."""
         return len(self._radii)
+
+    def set_cell(self, vectors: ArrayLike, *, periodic: bool | Sequence[bool] = True) -> None:
+        """Make everything periodic; to be called before particles are bonded.
+
+        Parameters
+        ----------
+        vectors : (d,) or (d, d) float
+            Sides of a right-angled cell, or its edges as rows, right-handed [m].
+        periodic : bool or (d,) bool
+            Along which edges. Where some are not, walls may bound the particles there; such a cell cannot deform.
+        """
+        self._cell = make_cell(self.dimension, vectors, periodic)
 
     def add_material(
         self,
@@ -232,7 +246,7 @@ class AssemblyBuilder:
             )
         new = chosen("bonds", given.ravel(), self.particles).reshape(-1, 2)
         new.sort(axis=1)
-        checks.refuse_bad_bonds(new, self._positions, self._radii, self._bonds)
+        checks.refuse_bad_bonds(new, self._positions, self._radii, self._bonds, self._cell)
         self._join(new, scale)
         return new
 
@@ -264,7 +278,7 @@ class AssemblyBuilder:
                 "bond_within, factor", f"this is not between 0 and {checks.LONGEST_BOND:g}",
                 "Give a factor such as 1.05: all pairs up to 5 % farther apart than touching.", value=factor,
             )  # fmt: skip
-        pairs, _ = close_pairs(self._positions, self._radii, lambda a, b: factor * (a + b))
+        pairs, _ = close_pairs(self._positions, self._radii, lambda a, b: factor * (a + b), self._cell)
         if between is not None:
             first, second = (self._materials.index(name, "bond_within, between") for name in between)
             kind = np.sort(self._material[pairs], axis=1)
@@ -411,8 +425,10 @@ class AssemblyBuilder:
         mass = self._density * volume
         replaces = self._bond_law is not None and self._bond_law.REPLACES_CONTACT
         errors = checks.deep_overlaps(
-            self._positions, self._radii, self._bonds if replaces else self._bonds[:0]
+            self._positions, self._radii, self._bonds if replaces else self._bonds[:0], self._cell
         )
+        if self._cell is not None:
+            errors += cell_errors(self._cell, self._radii, self._walls, anchored=bool(self._anchors))
         walls = []
         for wall in self._walls:
             wrong = wall_errors(wall, d)
@@ -443,6 +459,7 @@ class AssemblyBuilder:
             gravity=self._gravity.copy(),
             anchors=self._springs(),
             walls=tuple(walls),
+            cell=self._cell,
         )
         if replaces and self._bond_law is not None and len(self._bonds):
             raise_all(checks.energy_of_breaking(self._law, self._bond_law, assembly))

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geodem.assembly import Assembly, Wall
+from geodem.assembly import Assembly, Cell, Wall
 from geodem.builders.close_pairs import close_pairs, distances
 from geodem.builders.interactions import law_numbers
 from geodem.errors import InputError, InputErrors
@@ -104,7 +104,9 @@ def chosen(place: str, ids: Any, particles: int) -> NDArray[np.int64]:
     return numbers.astype(np.int64)
 
 
-def refuse_bad_bonds(pairs: Pairs, positions: Floats, radii: Floats, earlier: Pairs) -> None:
+def refuse_bad_bonds(
+    pairs: Pairs, positions: Floats, radii: Floats, earlier: Pairs, cell: Cell | None = None
+) -> None:
     """Raise for bonds of a particle with itself, made twice, or much longer than the particles are wide."""
     errors = []
     itself = np.flatnonzero(pairs[:, 0] == pairs[:, 1])
@@ -130,7 +132,7 @@ def refuse_bad_bonds(pairs: Pairs, positions: Floats, radii: Floats, earlier: Pa
                 "Bond every pair once.",
             )
         )
-    length = distances(positions, pairs) / (radii[pairs[:, 0]] + radii[pairs[:, 1]])
+    length = distances(positions, pairs, cell) / (radii[pairs[:, 0]] + radii[pairs[:, 1]])
     far = np.flatnonzero(length > LONGEST_BOND)
     if len(far):
         worst = far[np.argmax(length[far])]
@@ -154,7 +156,9 @@ def _more(found: NDArray[np.int64]) -> str:
     return f" ({len(found) - 1} more like it)" if len(found) > 1 else ""
 
 
-def deep_overlaps(positions: Floats, radii: Floats, excepted: Pairs) -> list[InputError]:
+def deep_overlaps(
+    positions: Floats, radii: Floats, excepted: Pairs, cell: Cell | None = None
+) -> list[InputError]:
     """Particles that lie in one another by more than `DEEPEST_OVERLAP` of the smaller radius.
 
     Parameters
@@ -164,7 +168,7 @@ def deep_overlaps(positions: Floats, radii: Floats, excepted: Pairs) -> list[Inp
         Pairs that may: bonds measure their overlap from where they were made.
     """
     pairs, distance = close_pairs(
-        positions, radii, lambda a, b: a + b - DEEPEST_OVERLAP * np.minimum(a, b) * (1.0 + 1e-9)
+        positions, radii, lambda a, b: a + b - DEEPEST_OVERLAP * np.minimum(a, b) * (1.0 + 1e-9), cell
     )
     if len(excepted) and len(pairs):
         new = ~np.isin(pair_keys(pairs, len(radii)), pair_keys(excepted, len(radii)))
@@ -218,7 +222,7 @@ def energy_of_breaking(contact_law: ModuleType, bond_law: ModuleType, assembly: 
     d, count = assembly.dimension, len(assembly.material_names)
     material = assembly.material[assembly.bonds].astype(np.int64)
     keys = material[:, 0] * count + material[:, 1]
-    length = distances(assembly.positions, assembly.bonds.astype(np.int64))
+    length = distances(assembly.positions, assembly.bonds.astype(np.int64), assembly.cell)
     size = assembly.radii[assembly.bonds]
     errors, seen = [], set()
     for key in np.unique(keys):

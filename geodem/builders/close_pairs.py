@@ -7,6 +7,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from geodem.assembly import Cell
+from geodem.neighbors import lattice, make_copies
+
 Floats = NDArray[np.float64]
 Pairs = NDArray[np.int64]
 Reach = Callable[[Floats, Floats], Floats]
@@ -15,7 +18,9 @@ Reach = Callable[[Floats, Floats], Floats]
 CLASS_RATIO = 1.6
 
 
-def close_pairs(positions: Floats, radii: Floats, reach: Reach) -> tuple[Pairs, Floats]:
+def close_pairs(
+    positions: Floats, radii: Floats, reach: Reach, cell: Cell | None = None
+) -> tuple[Pairs, Floats]:
     """Every pair whose distance is at most `reach` of its two radii.
 
     Parameters
@@ -24,6 +29,8 @@ def close_pairs(positions: Floats, radii: Floats, reach: Reach) -> tuple[Pairs, 
     radii : (n,) float [m]
     reach : function of two arrays of radii
         Largest distance [m]; must not fall where a radius grows.
+    cell : Cell, optional
+        Periodic: distances are those of the nearest images.
 
     Returns
     -------
@@ -35,6 +42,8 @@ def close_pairs(positions: Floats, radii: Floats, reach: Reach) -> tuple[Pairs, 
 
     if len(positions) < 2:
         return np.empty((0, 2), dtype=np.int64), np.empty(0)
+    if cell is not None:
+        return _close_images(positions, radii, reach, cell)
     classes = np.floor(np.log(radii / radii.min()) / np.log(CLASS_RATIO)).astype(np.int64)
     groups = [np.flatnonzero(classes == number) for number in np.unique(classes)]
     trees = [cKDTree(positions[group]) for group in groups]
@@ -60,9 +69,27 @@ def close_pairs(positions: Floats, radii: Floats, reach: Reach) -> tuple[Pairs, 
     return pairs, distances(positions, pairs)
 
 
-def distances(positions: Floats, pairs: Pairs) -> Floats:
-    """Distance [m] between the centres of every pair."""
-    return np.asarray(np.linalg.norm(positions[pairs[:, 1]] - positions[pairs[:, 0]], axis=1))
+def _close_images(positions: Floats, radii: Floats, reach: Reach, cell: Cell) -> tuple[Pairs, Floats]:
+    """`close_pairs` in a periodic cell, among the particles in it and copies of them around it."""
+    largest = radii.max(keepdims=True)
+    beyond = max(0.0, float((reach(largest, largest) - 2.0 * largest)[0]))
+    rows = np.column_stack([positions, radii])
+    copies = make_copies(
+        rows, lattice(cell.vectors, cell.periodic), buffer=beyond, dimension=positions.shape[1]
+    )
+    of = np.concatenate([np.arange(len(radii)), copies.of])
+    pairs, _ = close_pairs(np.ascontiguousarray(copies.rows[:, :-1]), copies.rows[:, -1].copy(), reach)
+    pairs = np.sort(of[pairs[pairs[:, 0] < len(radii)]], axis=1)
+    pairs = np.unique(pairs[pairs[:, 0] != pairs[:, 1]], axis=0)
+    return pairs, distances(positions, pairs, cell)
+
+
+def distances(positions: Floats, pairs: Pairs, cell: Cell | None = None) -> Floats:
+    """Distance [m] between the centres of every pair, in a cell that of the nearest images."""
+    apart = positions[pairs[:, 1]] - positions[pairs[:, 0]]
+    if cell is not None:
+        apart = cell.nearest(apart)
+    return np.asarray(np.linalg.norm(apart, axis=1))
 
 
 def _within(pairs: Pairs, positions: Floats, radii: Floats, reach: Reach) -> Pairs:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..assembly import Anchors, Assembly, Servo, Wall
+from ..assembly import Anchors, Assembly, Cell, Servo, Wall
 from ..errors import InputError
 from ..laws import BOND_LAWS, CONTACT_LAWS
 from ..provenance import sources_digest, versions
@@ -88,6 +88,11 @@ def assembly_tree(assembly: Assembly) -> Tree:
     }
     if assembly.anchors is not None:
         tree["anchors"] = {field.name: getattr(assembly.anchors, field.name) for field in fields(Anchors)}
+    if assembly.cell is not None:
+        tree["cell"] = {
+            "vectors": assembly.cell.vectors,
+            "plain": {"periodic": [bool(each) for each in assembly.cell.periodic]},
+        }
     tree["walls"] = {str(number): _wall_tree(wall) for number, wall in enumerate(assembly.walls)}
     return tree
 
@@ -113,6 +118,9 @@ def assembly_from(tree: Mapping[str, Any], place: str) -> Assembly:
         bond_law=plain["bond_law"],
         anchors=Anchors(**tree["anchors"]) if "anchors" in tree else None,
         walls=tuple(_wall_from(tree["walls"][number], law) for number in numbers),
+        cell=Cell(tree["cell"]["vectors"], tuple(tree["cell"]["plain"]["periodic"]))
+        if "cell" in tree
+        else None,
     )
 
 

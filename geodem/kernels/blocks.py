@@ -21,11 +21,14 @@ from typing import Any
 
 import numpy as np
 
+from .cell import CELL_LAST, CELL_VECTORS
+
 # What a scene may lack; set by the module that the kernel is compiled in.
 BONDS = True
 REPLACES = True
 REACH = True
 RELAX = True
+PERIODIC = True
 SCALED = True
 ONE_MATERIAL = False
 MATERIALS = 1
@@ -104,6 +107,10 @@ subtract_fours: Any = None
 fetch_ahead: Any = None  # see geodem.kernels.pairs
 FAR = 300_000
 transport_contact: Any = None
+cell_matrix: Any = None  # see geodem.kernels.cell
+image_shift: Any = None
+move_to_image: Any = None
+add_moments: Any = None
 bond_parameters: Any = None
 bond: Any = None
 bond_viscous: Any = None
@@ -425,9 +432,11 @@ def bonded_pairs(pair_bond, place):
     return count
 
 
-def touching_pairs(rows, pair_a, pair_b, pair_bond, touching, history, table, place):
+def touching_pairs(rows, pair_a, pair_b, pair_bond, touching, history, table, place, image, cell):
     """Note the places of pairs that touch, see to the beginning and end of contacts; returns their number."""
     far = len(rows) > FAR
+    if PERIODIC:
+        vectors = cell_matrix(cell, CELL_VECTORS)
     count = 0
     for p in range(len(pair_a)):
         if far:
@@ -437,6 +446,11 @@ def touching_pairs(rows, pair_a, pair_b, pair_bond, touching, history, table, pl
         dx = rows[b] - rows[a]
         dy = rows[b + 1] - rows[a + 1]
         dz = rows[b + 2] - rows[a + 2]
+        if PERIODIC:
+            shift_x, shift_y, shift_z = image_shift(vectors, image, p)
+            dx += shift_x
+            dy += shift_y
+            dz += shift_z
         limit = rows[a + 3] + rows[b + 3]
         touched = touching[p] != 0
         bonded = BONDS and pair_bond[p] > 0
@@ -466,7 +480,7 @@ def touching_pairs(rows, pair_a, pair_b, pair_bond, touching, history, table, pl
 
 def pairs(
     first, last, now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history, table, bond_table, bond_scale,
-    time_step, step, breaking, force, halo_force, energy, utilisation, record,
+    time_step, step, breaking, force, halo_force, energy, utilisation, record, image, cell, moment,
 ):  # fmt: skip
     """As `geodem.kernels.pairs.pairs`, without the energy account."""
     # slices, so that no index can be negative, and rows flat, so that their width is a constant
@@ -479,6 +493,10 @@ def pairs(
     history = history[first:last]
     if BONDS:
         pair_bond = pair_bond[first:last]
+    if PERIODIC:
+        image = image[first:last]
+        vectors = cell_matrix(cell, CELL_VECTORS)
+        gradient = cell_matrix(cell, CELL_LAST)
     block = np.empty(SIZE)
     place = np.empty(last - first + LANES, np.uint32)
     row = np.zeros(LANES, np.uint32)
@@ -489,7 +507,9 @@ def pairs(
         if BONDS and kind == 0:
             found = bonded_pairs(pair_bond, place)
         else:
-            found = touching_pairs(rows, pair_a, pair_b, pair_bond, touching, history, table, place)
+            found = touching_pairs(
+                rows, pair_a, pair_b, pair_bond, touching, history, table, place, image, cell
+            )  # fmt: skip
         # lanes that are not filled repeat the last pair, without weight
         for lane in range(LANES):
             place[found + lane] = place[max(found - 1, 0)]
@@ -509,6 +529,8 @@ def pairs(
                     history[p, OFFSET] if BONDS else 0.0,
                     1.0,
                 )
+                if PERIODIC:
+                    move_to_image(block, lane, vectors, gradient, image, p)
                 if not ONE_MATERIAL:
                     row[lane] = int(rows[12 * a + 11]) * MATERIALS + int(rows[12 * b + 11])
                 if BONDS and kind == 0:
@@ -550,6 +572,8 @@ def pairs(
             contacts += count_here
             thrust += thrust_here
             scatter(block, filled, here, local_a, local_b, load)
+            if PERIODIC:
+                add_moments(block, filled, moment)
     size = len(force)
     for k in range(size):
         for axis in range(3):

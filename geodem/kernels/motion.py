@@ -12,6 +12,8 @@ from __future__ import annotations
 
 import math
 
+from .cell import CELL_GRADIENT
+
 # What a scene may lack; set by the module that the kernel is compiled in.
 SPACE = True
 ROTATION = True
@@ -23,6 +25,7 @@ ANCHORS = True
 LOCAL = True
 GLOBAL = True
 RELAX = True
+PERIODIC = True
 ENERGY = True
 SLEEP = True
 
@@ -60,14 +63,14 @@ def direction(velocity):
 
 def move(
     base, size, now, following, force, inverse_mass, inverse_inertia, gravity, applied, held, anchor_of, anchors,
-    angle, time_step, local_damping, global_damping, old_force, sums,
+    angle, time_step, local_damping, global_damping, old_force, sums, cell,
 ):  # fmt: skip
     """Move the `size` particles from `base` one step; now, following (n, 8 or 12): rows before and after.
 
     force (size, 3 or 6) [N, N m]: of contacts and walls; the resultant is left in it. inverse_mass,
     inverse_inertia (n,); gravity (d,); applied (n, 3 or 6); held (n,) uint8: bit k holds freedom k; anchor_of (n,)
     int32: row of anchors (k, d + 2) or -1; angle (n, 1 or 4): angle or quaternion; old_force (n, 3 or 6) [N, N m],
-    updated where RELAX; sums (17,), see the columns above.
+    updated where RELAX; sums (17,), see the columns above; cell: where PERIODIC, see `geodem.kernels.cell`.
     """
     space = 3 if SPACE else 2
     turns = 3 if SPACE else 1
@@ -144,6 +147,9 @@ def move(
                 driven -= (f - weight - given) * v * time_step
             speed += w * w
             following[i, VELOCITY + axis] = w
+            if PERIODIC:
+                for k_axis in range(space):
+                    w += cell[CELL_GRADIENT + 3 * axis + k_axis] * now[i, k_axis]
             following[i, axis] = now[i, axis] + w * time_step
         fastest = max(fastest, speed)
         if ROTATION:

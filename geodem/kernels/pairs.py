@@ -21,6 +21,8 @@ from typing import Any
 
 import numpy as np
 
+from .cell import CELL_LAST, CELL_VECTORS
+
 # What a scene may lack; set by the module that the kernel is compiled in.
 SPACE = True  # spheres in 3D, not discs in 2D
 BONDS = True
@@ -31,6 +33,7 @@ MATERIALS = 1
 MOMENT = True
 ENERGY = True
 RELAX = True
+PERIODIC = True
 SCALED = True  # some bond is stronger or weaker than its material
 FREEDOMS = 6  # (3)
 VISCOUS_CONTACT = True
@@ -82,6 +85,9 @@ load_bond: Any = None
 store_bond: Any = None
 transport_bond: Any = None
 fetch: Any = None  # see geodem.kernels.fours
+cell_matrix: Any = None  # see geodem.kernels.cell
+image_shift: Any = None
+affine: Any = None
 
 
 def fetch_ahead(rows, pair_a, pair_b, p):
@@ -156,7 +162,7 @@ def account(
 
 def range_of_pairs(
     first, last, now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history, table, bond_table, bond_scale,
-    time_step, step, breaking, force, energy, utilisation, record, fresh,
+    time_step, step, breaking, force, energy, utilisation, record, fresh, image, cell, moment,
 ):  # fmt: skip
     """As `pairs`, but a bond that breaks is only noted in fresh (p,), and marked by a negative number in pair_bond.
 
@@ -182,6 +188,10 @@ def range_of_pairs(
     history = history[first:last]
     if BONDS:
         pair_bond = pair_bond[first:last]
+    if PERIODIC:
+        image = image[first:last]
+        vectors = cell_matrix(cell, CELL_VECTORS)
+        gradient = cell_matrix(cell, CELL_LAST)
     far = len(rows) > FAR
     # read once: the compiler cannot know that no force is written over them
     common = contact_parameters(table, 0)
@@ -193,10 +203,16 @@ def range_of_pairs(
         b = WIDTH * int(pair_b[p])
         dx = rows[b] - rows[a]
         dy = rows[b + 1] - rows[a + 1]
-        square = dx * dx + dy * dy
         dz = 0.0
         if SPACE:
             dz = rows[b + 2] - rows[a + 2]
+        if PERIODIC:
+            shift_x, shift_y, shift_z = image_shift(vectors, image, p)
+            dx += shift_x
+            dy += shift_y
+            dz += shift_z
+        square = dx * dx + dy * dy
+        if SPACE:
             square += dz * dz
         radius_a = rows[a + RADIUS]
         radius_b = rows[b + RADIUS]
@@ -227,6 +243,14 @@ def range_of_pairs(
             mass_b = rows[b + MASS]
             dvx = rows[b + VELOCITY] - rows[a + VELOCITY]
             dvy = rows[b + VELOCITY + 1] - rows[a + VELOCITY + 1]
+            dvz = 0.0
+            if SPACE:
+                dvz = rows[b + VELOCITY + 2] - rows[a + VELOCITY + 2]
+            if PERIODIC:
+                cell_x, cell_y, cell_z = affine(gradient, dx, dy, dz)
+                dvx += cell_x
+                dvy += cell_y
+                dvz += cell_z
             turn_x = 0.0
             turn_y = 0.0
             turn_z = 0.0
@@ -237,7 +261,6 @@ def range_of_pairs(
             bend_y = 0.0
             bend_z = 0.0
             if SPACE:
-                dvz = rows[b + VELOCITY + 2] - rows[a + VELOCITY + 2]
                 along = dvx * nx + dvy * ny + dvz * nz
                 approach = -along * time_step
                 # the change of n over half a step and the mean spin about n turn the contact's frame
@@ -415,6 +438,17 @@ def range_of_pairs(
                 loads[j] -= fx
                 loads[j + 1] -= fy
                 loads[j + 2] += arm_b * shear_x - mz
+            if PERIODIC:
+                moment[0] += fx * dx
+                moment[1] += fx * dy
+                moment[3] += fy * dx
+                moment[4] += fy * dy
+                if SPACE:
+                    moment[2] += fx * dz
+                    moment[5] += fy * dz
+                    moment[6] += fz * dx
+                    moment[7] += fz * dy
+                    moment[8] += fz * dz
             if touch or number != 0:
                 contacts += 1.0
                 thrust += abs(normal)
@@ -429,14 +463,15 @@ def range_of_pairs(
 
 def pairs(
     first, last, now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history, table, bond_table, bond_scale,
-    time_step, step, breaking, force, halo_force, energy, utilisation, record,
+    time_step, step, breaking, force, halo_force, energy, utilisation, record, image, cell, moment,
 ):  # fmt: skip
     """Forces of the pairs `first` to `last` of a chunk.
 
     now (n, 8 or 12): rows; pair_a, pair_b, local_a, local_b, pair_bond, touching (p,), history (p, H): the pair list
     and its halo; table, bond_table: parameters by pair of materials; bond_scale (b,); breaking: utilisation at which
     bonds break, 1 but in statics, where utilisation (b, 2) is noted; force (own
-    particles, 3 or 6), halo_force (halo, 3 or 6): overwritten; energy (4,): added to; record (b, 5 or 6).
+    particles, 3 or 6), halo_force (halo, 3 or 6): overwritten; energy (4,): added to; record (b, 5 or 6). image (p, d),
+    cell: where PERIODIC, see `geodem.kernels.cell`; moment (9,): added to, sum of force on a times branch.
 
     Returns
     -------
@@ -447,7 +482,7 @@ def pairs(
     fresh = np.empty(last - first if BONDS else 0, np.uint32)
     contacts, thrust, broken = range_of_pairs(
         first, last, now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history, table, bond_table, bond_scale,
-        time_step, step, breaking, load, energy, utilisation, record, fresh,
+        time_step, step, breaking, load, energy, utilisation, record, fresh, image, cell, moment,
     )  # fmt: skip
     if BONDS:
         # what broke is looked at once more as a contact: so the loop over intact bonds has no room for it
@@ -455,7 +490,8 @@ def pairs(
             p = first + int(fresh[k])
             more, pressed, _ = range_of_pairs(
                 p, p + 1, now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history, table, bond_table,
-                bond_scale, time_step, step, breaking, load, energy, utilisation, record, fresh[:0],
+                bond_scale, time_step, step, breaking, load, energy, utilisation, record, fresh[:0], image, cell,
+                moment,
             )  # fmt: skip
             contacts += more
             thrust += pressed

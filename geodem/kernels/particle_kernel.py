@@ -11,7 +11,7 @@ from .._jit import compile_kernel, function_source
 from ..laws import BOND_LAWS, CONTACT_LAWS
 from ..laws.protocol import argument_names
 from ..laws.protocol import constants as law_constants
-from . import blocks, fours, motion, pairs, sleep, steps, wall_geometry, wall_motion, walls
+from . import blocks, cell, fours, motion, pairs, sleep, steps, wall_geometry, wall_motion, walls
 from .adapters import (
     HistoryLayout,
     bond_adapters,
@@ -54,6 +54,8 @@ class Features:
         Energy account.
     sleep : bool
         Chunks at rest are skipped.
+    periodic : bool
+        There is a periodic cell.
     blocked : bool
         Vectorised loop over blocks of pairs that touch (3D).
     """
@@ -80,6 +82,7 @@ class Features:
     relax: bool = False
     energy: bool = False
     sleep: bool = False
+    periodic: bool = False
     blocked: bool = False
 
     def layout(self) -> HistoryLayout:
@@ -147,6 +150,12 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
     if blocked:
         adapters += [function_source(f) for f in blocks.INLINED]
         loops += blocks.FUNCTIONS
+    if features.periodic:
+        adapters += [function_source(f) for f in cell.INLINED]
+        adapters += [function_source(f) for f in cell.BLOCK_INLINED] if blocked else []
+        loops += cell.FUNCTIONS
+    else:
+        adapters += ["move_cell = None"]
     if features.sleep:
         loops += sleep.FUNCTIONS
     else:
@@ -184,7 +193,7 @@ def _constants(features: Features, contact: ModuleType, bond: ModuleType | None)
     return {
         **law_constants(contact, features.dimension),
         **({} if bond is None else law_constants(bond, features.dimension)),
-        **module_constants(pairs, motion, sleep, steps, wall_geometry, blocks),
+        **module_constants(pairs, motion, sleep, steps, wall_geometry, blocks, cell),
         "SPHERES": space,
         "SPACE": space,
         "BONDS": bond is not None,
@@ -220,4 +229,5 @@ def _constants(features: Features, contact: ModuleType, bond: ModuleType | None)
         "GLOBAL": features.global_damping,
         "RELAX": features.relax,
         "SLEEP": features.sleep,
+        "PERIODIC": features.periodic,
     }

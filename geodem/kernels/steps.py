@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from .cell import CELL_SUMS
 from .motion import (
     CONTACTS,
     FASTEST,
@@ -28,11 +29,13 @@ wall_forces: Any = None  # of the scene's dimension
 gather_wall_forces: Any = None
 move_walls: Any = None
 sleep_and_wake: Any = None
+move_cell: Any = None
 
 WALLS = True
 RELAX = True
 ENERGY = True
 SLEEP = True
+PERIODIC = True
 FREEDOMS = 6
 
 
@@ -48,7 +51,7 @@ def watched(chunk, neighbour_start, neighbour, asleep):
 def chunk_forces(
     chunk, chunk_size, now, pair_start, pair_a, pair_b, local_a, local_b, pair_bond, touching, history,
     table, bond_table, bond_scale, halo_start, time_step, step, breaking, utilisation, record, sums,
-    force, halo_force, awake,
+    force, halo_force, awake, image, cell,
 ):  # fmt: skip
     """Forces of one chunk's pairs: on its own particles, where it is awake, and on those in its halo."""
     base = chunk * chunk_size
@@ -58,10 +61,13 @@ def chunk_forces(
         # what it felt last is kept
         own = np.empty((size, FREEDOMS))
     energy = np.zeros(4)
+    moment = sums[CELL_SUMS:]
+    if PERIODIC:
+        moment[:] = 0.0
     contacts, thrust = pairs(
         pair_start[chunk], pair_start[chunk + 1], now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history,
         table, bond_table, bond_scale, time_step, step, breaking, own,
-        halo_force[halo_start[chunk] : halo_start[chunk + 1]], energy, utilisation, record,
+        halo_force[halo_start[chunk] : halo_start[chunk + 1]], energy, utilisation, record, image, cell, moment,
     )  # fmt: skip
     if awake:
         # else what they were with the walls' when it fell asleep
@@ -79,7 +85,7 @@ def chunk_motion(
     chunk, chunk_size, now, following, into, source, target, inverse_mass, inverse_inertia, gravity, applied, held,
     anchor_of, anchors, angle, wall_start, wall_particle, wall_primitive, wall_touching, wall_history, wall_normal,
     wall_geometry, wall_feature, shape, kind, body, vertex, bodies, wall_table, wall_sums, time_step, local_damping,
-    global_damping, old_force, sums, force, halo_force,
+    global_damping, old_force, sums, force, halo_force, cell,
 ):  # fmt: skip
     """Take over what other chunks added up for this one's particles, add the forces of walls, and move them."""
     base = chunk * chunk_size
@@ -106,7 +112,7 @@ def chunk_motion(
             sums[TOTAL_ELASTIC] += energy[3]
     move(
         base, size, now, following, force, inverse_mass, inverse_inertia, gravity, applied, held, anchor_of, anchors,
-        angle, time_step, local_damping, global_damping, old_force, sums,
+        angle, time_step, local_damping, global_damping, old_force, sums, cell,
     )  # fmt: skip
 
 
@@ -118,17 +124,19 @@ def advance(
     shape, kind, body, vertex, bodies, wall_table, wall_sums,
     time_step, first_step, breaking, local_damping, global_damping, damping_ratio, old_force, utilisation, record, sums,
     force, halo_force, moved, carried, buffer, asleep, quiet, neighbour_start, neighbour, sleep_speed, sleep_steps,
+    image, cell,
 ):  # fmt: skip
     """Up to `steps` steps; fewer where particles may have moved farther than the pair list allows.
 
     teams: parts of the chunks that are computed at the same time, one a thread; no bit depends on their number.
     rows (2, n, 8 or 12), phase: which of the two holds the present; local_a to target: see `geodem.neighbors.halo`;
-    sums (chunks, 17); force (n, 3 or 6): resultants of the last step, halo_force (h, 3 or 6); moved, carried [m]: how
-    far particles and walls may have moved since the last search, added up here so that no rounding depends on where a
+    sums (chunks, 17, and 9 more where PERIODIC); force (n, 3 or 6): resultants of the last step, halo_force (h, 3 or 6);
+    moved, carried [m]: how far particles and walls may have moved since the last search, added up here so that no rounding depends on where a
     batch of steps ended; buffer [m]: of the pair list; global_damping, damping_ratio: where RELAX, the damping of the
     first step and its share of the critical one of the lowest frequency in motion.
     Sleep: asleep (chunks,) uint8, quiet (chunks,) steps that a chunk and all around it have been slower than
     sleep_speed; neighbour_start, neighbour: the chunks around each one.
+    Periodic: image (p, d) of every pair, cell: see `geodem.kernels.cell`.
 
     Returns
     -------
@@ -155,7 +163,7 @@ def advance(
                         chunk_forces(
                             chunk, chunk_size, now, pair_start, pair_a, pair_b, local_a, local_b, pair_bond, touching,
                             history, table, bond_table, bond_scale, halo_start, time_step, first_step + done, breaking,
-                            utilisation, record, sums[chunk], force, halo_force, awake,
+                            utilisation, record, sums[chunk], force, halo_force, awake, image, cell,
                         )  # fmt: skip
                     if awake and (lowest[chunk] < first) == (late == 1):
                         chunk_motion(
@@ -163,7 +171,7 @@ def advance(
                             gravity, applied, held, anchor_of, anchors, angle, wall_start, wall_particle,
                             wall_primitive, wall_touching, wall_history, wall_normal, wall_geometry, wall_feature,
                             shape, kind, body, vertex, bodies, wall_table, wall_sums, time_step, local_damping,
-                            global_damping, old_force, sums[chunk], force, halo_force,
+                            global_damping, old_force, sums[chunk], force, halo_force, cell,
                         )  # fmt: skip
         fastest = 0.0
         for chunk in range(chunks):
@@ -172,6 +180,8 @@ def advance(
         if WALLS:
             gather_wall_forces(wall_start, wall_sums, bodies, time_step)
             carried += move_walls(bodies, time_step) * time_step
+        if PERIODIC:
+            carried += move_cell(sums, cell, time_step) * time_step
         if RELAX:
             softening = 0.0
             inertia = 0.0

@@ -27,12 +27,13 @@ class ParticleEnergy(NamedTuple):
     applied: float  # work of applied forces
     driven: float  # work of held freedoms that move
     walls: float  # work of walls that move
+    cell: float  # work of the periodic cell that deforms
     initial: float  # kinetic energy and that of anchors at the start
 
     @property
     def supplied(self) -> float:
         """Everything put in since the start."""
-        return self.initial + self.gravity + self.applied + self.driven + self.walls
+        return self.initial + self.gravity + self.applied + self.driven + self.walls + self.cell
 
     @property
     def found(self) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from .images import Lattice
 from .pair_list import PairList
 from .search import rebuild
 
@@ -25,12 +26,13 @@ def bond_pairs(
     dimension: int,
     history_width: int,
     multilevel: bool = True,
+    cell: Lattice | None = None,
 ) -> PairList:
     """Make the first list: all near pairs, and every bond however long it is.
 
     Parameters
     ----------
-    rows, ids, chunk, buffer, dimension, history_width, multilevel
+    rows, ids, chunk, buffer, dimension, history_width, multilevel, cell
         As of `rebuild`.
     bonds : (b, 2)
         Particle ids of every bond; bond k gets the number k + 1.
@@ -48,6 +50,7 @@ def bond_pairs(
     return rebuild(
         rows, ids, first,
         chunk=chunk, buffer=buffer, dimension=dimension, history_width=history_width, multilevel=multilevel,
+        cell=cell,
     )  # fmt: skip
 
 

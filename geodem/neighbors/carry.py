@@ -13,12 +13,16 @@ prange = range
 DIMENSION = 3
 RADIUS = 3
 HISTORY = 0
+PERIODIC = True
 
 
-def find_strays(rows, buffer, chunk, row, a, b, bond, touching, mapped, new_row_of_old, stray, count):
+def find_strays(
+    rows, buffer, chunk, row, a, b, bond, touching, mapped, new_row_of_old, vectors, inverse, stray, count,
+):  # fmt: skip
     """Old pairs that are intact bonds or touch, and are not nearer than the buffer.
 
-    Each pair once. Overwritten: stray (p, 2) int32, the new rows, where the chunk's pairs begin; count (chunks,).
+    Each pair once. vectors, inverse: of the cell, where PERIODIC (`geodem.neighbors.images`). Overwritten: stray (p, 2)
+    int32, the new rows, where the chunk's pairs begin; count (chunks,).
     """
     particles = len(row) - 1
     for part in prange((particles + chunk - 1) // chunk):
@@ -36,6 +40,12 @@ def find_strays(rows, buffer, chunk, row, a, b, bond, touching, mapped, new_row_
                 square = 0.0
                 for axis in range(DIMENSION):
                     step = rows[j, axis] - rows[i, axis]
+                    if PERIODIC:
+                        for k in range(DIMENSION):
+                            share = 0.0
+                            for other in range(DIMENSION):
+                                share += (rows[j, other] - rows[i, other]) * inverse[other, k]
+                            step -= np.floor(share + 0.5) * vectors[k, axis]
                     square += step * step
                 both = rows[i, RADIUS] + rows[j, RADIUS] + buffer
                 # a little too many are harmless: what `find` finds itself is not listed twice

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -29,6 +29,8 @@ class PairList:
         1 while the pair touched in the last step.
     history : (p, H) float64
         What the laws remember of the pair.
+    image : (p, d) int32
+        In a periodic cell the image of b that is meant: how often each edge of the cell is to be added. No rows else.
     far : int
         Pairs listed though they are not near, because they are bonded or touch. The next search asks first for
         such pairs where there were some, and only then.
@@ -43,6 +45,7 @@ class PairList:
     touching: NDArray[np.uint8]
     history: NDArray[np.float64]
     far: int = 0
+    image: NDArray[np.int32] = field(default_factory=lambda: np.empty((0, 1), dtype=np.int32))
 
     @classmethod
     def empty(cls, particles: int, *, chunk: int, history_width: int) -> PairList:
@@ -80,7 +83,7 @@ class PairList:
     def nbytes(self) -> int:
         """Memory of the list [bytes]."""
         arrays: list[NDArray[Any]] = [
-            self.start, self.row, self.a, self.b, self.bond, self.touching, self.history,
+            self.start, self.row, self.a, self.b, self.bond, self.touching, self.history, self.image,
         ]  # fmt: skip
         return sum(array.nbytes for array in arrays)
 

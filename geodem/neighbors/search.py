@@ -30,6 +30,7 @@ from .cells import (
     plan_levels,
     sort_by_cell,
 )
+from .images import Copies, Lattice, fold_copies, make_copies, set_images
 from .lanes import WIDE, texts
 from .near import (
     GROUP,
@@ -57,6 +58,9 @@ ROOM_PER_PARTICLE = {2: 8, 3: 16}
 """Pairs per particle that a first search has room for; more where the old list had more."""
 
 
+NO_CELL = Lattice(np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(3))
+
+
 @cache
 def _writer(history_width: int) -> ModuleType:
     return _jit.compile_kernel(
@@ -65,13 +69,16 @@ def _writer(history_width: int) -> ModuleType:
 
 
 @cache
-def _kernel(dimension: int) -> ModuleType:
+def _kernel(dimension: int, periodic: bool) -> ModuleType:
     functions: list[Callable[..., Any]] = [
         fold, steps_between, spot_reach, cells_of_particles, sort_by_cell, gather_spots, sum_up,
         rows_together, gather, add_missing, sort_many, find_with_room, find_in_chunk, find, find_strays, list_strays,
     ]  # fmt: skip
+    if periodic:
+        functions.append(fold_copies)
     constants = {
         "DIMENSION": dimension,
+        "PERIODIC": periodic,
         "RADIUS": RADIUS_COLUMN[dimension],
         "FAR": FAR,
         "BLOCK": BLOCK,
@@ -128,13 +135,15 @@ def _find_strays(
     buffer: float,
     chunk: int,
     new_row_of_old: Integers | None,
+    cell: Lattice,
 ) -> _Strays:
     stray = np.empty((old.pairs, 2), dtype=np.int32)
     count = np.empty(len(old.start) - 1, dtype=np.int64)
     mapped = new_row_of_old is not None
     kernel.find_strays(
         rows, buffer, old.chunk, old.row, old.a, old.b, old.bond, old.touching,
-        mapped, np.empty(0, dtype=np.int64) if new_row_of_old is None else new_row_of_old, stray, count,
+        mapped, np.empty(0, dtype=np.int64) if new_row_of_old is None else new_row_of_old,
+        cell.vectors, cell.inverse, stray, count,
     )  # fmt: skip
     pairs = int(count.sum())
     if pairs == 0:
@@ -157,6 +166,7 @@ def rebuild(
     dimension: int,
     history_width: int,
     multilevel: bool = True,
+    cell: Lattice | None = None,
 ) -> PairList:
     """List all pairs with d < ra + rb + buffer, and take over what the old list knows of them.
 
@@ -182,6 +192,8 @@ def rebuild(
         Numbers that each pair remembers, H.
     multilevel : bool
         False: one grid whatever the sizes of the particles.
+    cell : Lattice, optional
+        A periodic cell: distances are those of the nearest images, and the list notes which.
 
     Returns
     -------
@@ -208,12 +220,15 @@ def rebuild(
     if old_row_of_new is None or new_row_of_old is None:
         old_row_of_new = new_row_of_old = np.empty(0, dtype=np.int64)
 
-    kernel = _kernel(dimension)
+    kernel = _kernel(dimension, cell is not None)
     column = RADIUS_COLUMN[dimension]
-    levels = plan_levels(
-        rows, dimension=dimension, radius_column=column, buffer=buffer, multilevel=multilevel
-    )
-    grid = _fill_grid(rows, kernel, levels, 0.5 * buffer, dimension)
+    # what the walk meets
+    met, copies = rows, None
+    if cell is not None:
+        copies = make_copies(rows, cell, buffer=buffer, dimension=dimension)
+        met = copies.rows
+    levels = plan_levels(met, dimension=dimension, radius_column=column, buffer=buffer, multilevel=multilevel)
+    grid = _fill_grid(met, kernel, levels, 0.5 * buffer, dimension)
     capacity = chunk * max(ROOM_PER_PARTICLE[dimension], 2 * old.pairs // particles)
     lost = np.empty(chunks_of(particles, chunk), dtype=np.int64)
     # far pairs are rare: mostly it is cheaper to see afterwards that none is missing
@@ -221,8 +236,10 @@ def rebuild(
     while True:
         strays = _no_strays()
         if ask_first:
-            strays = _find_strays(rows, kernel, old, buffer, chunk, new_row_of_old if mapped else None)
-        near, row = _near_rows(rows, kernel, grid, strays, capacity, 0.5 * buffer, chunk)
+            strays = _find_strays(
+                rows, kernel, old, buffer, chunk, new_row_of_old if mapped else None, cell or NO_CELL
+            )
+        near, row = _near_rows(met[:particles], copies, kernel, grid, strays, capacity, 0.5 * buffer, chunk)
         new = PairList.allocate(row, chunk=chunk, history_width=history_width)
         _writer(history_width).write(
             chunk, near, ids, row, new.a, new.b, new.bond, new.touching, new.history.reshape(-1),
@@ -230,12 +247,15 @@ def rebuild(
         )  # fmt: skip
         new.far = strays.pairs
         if ask_first or lost.sum() == 0:
+            if cell is not None:
+                set_images(rows, new, cell, dimension)
             return new
         ask_first = True
 
 
 def _near_rows(
     rows: Floats,
+    copies: Copies | None,
     kernel: ModuleType,
     grid: _Grid,
     strays: _Strays,
@@ -258,5 +278,7 @@ def _near_rows(
         if not failed.any():
             break
         capacity *= 2
+    if copies is not None:
+        kernel.fold_copies(chunk, near, row, copies.of)
     kernel.sum_up(row)
     return near, row
