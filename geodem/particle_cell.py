@@ -143,6 +143,10 @@ class ParticleCell:
         """Centres (n, d) [m] of the images that lie in the cell; `positions` are those of the particles followed."""
         return wrapped(self.positions, self._of_cell().lattice(), self.dimension)
 
+    def seen_positions(self) -> Floats:
+        """Where particles are drawn (n, d) [m]: in the cell, where there is one."""
+        return self.positions if self.cell is None else self.wrapped_positions()
+
     def deformation_gradient(self) -> Floats:
         """Of the cell since the start (d, d) [-]."""
         return self._of_cell().deformation_gradient

@@ -7,6 +7,7 @@ import sys
 from types import ModuleType
 
 from .problems import (
+    arrays,
     cantilever,
     dice2d,
     energy_account,
@@ -22,6 +23,7 @@ from .results_file import store_rows
 HELP = "run a group of problems, print every figure beside its bound, store the rows; exit status 0 if all are good"
 
 PROBLEMS: dict[str, ModuleType] = {
+    "arrays": arrays,
     "cantilever": cantilever,
     "dice2d": dice2d,
     "energy-account": energy_account,

@@ -95,6 +95,22 @@ class PeriodicCell:
         """What a search reads."""
         return lattice(self.vectors, self.periodic)
 
+    def corners(self) -> Floats:
+        """Corners (2^d, d) [m], the first at the origin; bit k of a corner's number: edge k leads to it."""
+        d = self.dimension
+        bits = (np.arange(2**d)[:, None] >> np.arange(d)) & 1
+        return np.asarray(bits @ self.vectors)
+
+    def outline(self) -> Floats:
+        """Ends (k, 2, d) [m] of the cell's edges, 4 in 2D and 12 in 3D."""
+        corners, d = self.corners(), self.dimension
+        ends = [(c, c | 1 << k) for c in range(2**d) for k in range(d) if not c >> k & 1]
+        return corners[np.array(ends)]
+
+    def nearest(self, apart: Floats) -> Floats:
+        """Ways (k, d) [m] to the nearest images."""
+        return Cell(self.vectors, self.periodic).nearest(apart)
+
     def shifts(self, image: NDArray[np.int32]) -> Floats:
         """Ways (p, d) [m] to images (p, d)."""
         return image @ self._matrix(columns.CELL_VECTORS)

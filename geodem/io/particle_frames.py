@@ -36,6 +36,9 @@ def write_frame(folder: Path | str, simulation: ParticleReading) -> list[Path]:
     cracks : every break a point with its mode (1 tension, 2 shear), time and energy; where there are bonds.
     walls : triangles or segments; infinite planes are left out. Where there are such walls.
 
+    In a periodic cell particles are drawn where they lie in it, with its edges, and contacts from their first particle
+    on, beyond the face where they lead through one.
+
     Raises
     ------
     InputError
@@ -97,7 +100,11 @@ def _write_particles(path: Path, s: ParticleReading) -> Path:
         data["angle [rad]" if d == 2 else "quaternion w, x, y, z [-]"] = _scalar(s.orientations)
     names = ", ".join(a.material_names)
     fields: dict[str, ArrayLike | str] = {"step [-]": np.array([s.steps]), "materials": names}
-    write_vtkhdf(path, s.positions, point_data=data, field_data=fields, time=s.time)
+    places = s.positions
+    if s.cell is not None:
+        places = s.wrapped_positions()
+        fields["cell edges [m]"] = s.cell.vectors
+    write_vtkhdf(path, places, point_data=data, field_data=fields, time=s.time)
     return path
 
 
@@ -110,10 +117,16 @@ def _write_contacts(path: Path, s: ParticleReading) -> Path:
     first, second = s.assembly.bonds.astype(np.int64).T
     once = np.isin(found.pairs[:, 0] * n + found.pairs[:, 1], first * n + second)
     state[once & ~found.bonded] = DEBONDED
+    places, ends = s.positions, found.pairs.reshape(-1, 2)
+    if s.cell is not None:
+        # points of their own for every line: its second end is an image
+        first = s.wrapped_positions()[ends[:, 0]]
+        places = np.stack([first, first + s.contact_branches()], axis=1).reshape(-1, s.dimension)
+        ends = np.arange(len(places)).reshape(-1, 2)
     write_vtkhdf(
         path,
-        s.positions,
-        found.pairs.reshape(-1, 2),
+        places,
+        ends,
         cell_data={
             f"normal force [N{deep}]": normal,
             f"shear force [N{deep}]": shear,

@@ -111,6 +111,7 @@ def particle_figure(
     if s.dimension == 2:
         figure, axes = _plane_figure(s)
         draw_walls(axes, s)
+        draw_cell(axes, s)
         draw_discs(axes, s, colouring.faces)
         if cracks and len(broken):
             handles += draw_cracks(axes, s)
@@ -179,7 +180,7 @@ def draw_discs(axes: Axes, simulation: ParticleReading, faces: Floats) -> None:
     diameters = 2.0 * s.assembly.radii
     axes.add_collection(
         EllipseCollection(
-            diameters, diameters, np.zeros(len(diameters)), units="xy", offsets=s.positions,
+            diameters, diameters, np.zeros(len(diameters)), units="xy", offsets=s.seen_positions(),
             offset_transform=axes.transData, facecolors=faces, edgecolors=edges,
             linewidths=float(np.clip(0.06 * points, 0.0, 0.7)), zorder=2.0, rasterized=True,
         ),
@@ -195,9 +196,11 @@ def draw_cracks(axes: Axes, simulation: ParticleReading) -> list[Any]:
     s = simulation
     found = s.broken_bonds()
     pairs = s.assembly.bonds[found.bond]
-    places = s.positions[pairs]
+    places = s.seen_positions()[pairs]
     radii = s.assembly.radii[pairs]
     apart = places[:, 1] - places[:, 0]
+    if s.cell is not None:
+        apart = s.cell.nearest(apart)
     distance = np.hypot(*apart.T)
     across = np.column_stack([-apart[:, 1], apart[:, 0]]) / distance[:, None]
     middle = places[:, 0] + apart * ((radii[:, 0] + 0.5 * (distance - radii.sum(axis=1))) / distance)[:, None]
@@ -221,6 +224,13 @@ def draw_cracks(axes: Axes, simulation: ParticleReading) -> list[Any]:
         if count:
             handles.append(Line2D([], [], color=colour, linewidth=2.0, label=f"{name} ({count:,})"))
     return handles
+
+
+def draw_cell(axes: Axes, simulation: ParticleReading) -> None:
+    """The edges of a periodic cell, over the discs."""
+    if simulation.cell is not None:
+        for ends in simulation.cell.outline():
+            axes.plot(*ends.T, color=INK, linewidth=1.2, linestyle=(0, (5, 3)), zorder=2.8)
 
 
 def draw_walls(axes: Axes, simulation: ParticleReading) -> None:
@@ -250,7 +260,8 @@ def draw_walls(axes: Axes, simulation: ParticleReading) -> None:
 def _plane_figure(s: ParticleReading) -> tuple[Figure, Axes]:
     """A figure in metres around all discs, and around walls that are near them."""
     radii = s.assembly.radii[:, None]
-    low, high = (s.positions - radii).min(axis=0), (s.positions + radii).max(axis=0)
+    places = s.seen_positions()
+    low, high = (places - radii).min(axis=0), (places + radii).max(axis=0)
     size = float((high - low).max())
     for kind, points in zip(s.walls.kind, s.walls.corners_now()[:, :, :2], strict=True):
         if kind == 1:

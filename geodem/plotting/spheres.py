@@ -40,7 +40,7 @@ def render_spheres(
             "Run: pip install 'geodem[pictures]'",
         ) from None
     s = simulation
-    centres, radii = s.positions, s.assembly.radii
+    centres, radii = s.seen_positions(), s.assembly.radii
     low, high = (centres - radii[:, None]).min(axis=0), (centres + radii[:, None]).max(axis=0)
     towards, right, up = _camera(*np.radians(view))
     with _quiet():
@@ -56,6 +56,10 @@ def render_spheres(
                 plotter.add_light(light)
             _add_spheres(plotter, centres, radii, faces)
             corners = [np.array(list(itertools.product(*zip(low, high, strict=True))))]
+            if s.cell is not None:
+                for first, last in s.cell.outline():
+                    plotter.add_mesh(pyvista.Line(first, last), color="black", line_width=2.5)
+                corners.append(s.cell.corners())
             corners += _add_walls(plotter, s, 0.5 * (low + high), high - low, towards)
             _look_at(plotter, np.concatenate(corners), towards, right, up)
             plotter.enable_anti_aliasing("ssaa")

@@ -16,6 +16,7 @@ from geodem.boundaries.walls import plane, segments
 from geodem.builders.assembly_builder import AssemblyBuilder
 from geodem.builders.bond_scatter import LognormalScatter
 from geodem.builders.packings import lattice
+from geodem.builders.random_packing import random_packing
 from geodem.particle_simulation import ParticleSimulation
 
 from .rows import Row, at_most, relative
@@ -114,6 +115,23 @@ def block(dimension: int, steps: int) -> ParticleSimulation:
     return _simulation(builder, damping=0.1)
 
 
+def cell(steps: int) -> ParticleSimulation:
+    """Discs of three sizes in a periodic cell that is pressed together along x, swells along y, and shears.
+
+    `steps` shorten it by 20 %.
+    """
+    packing = random_packing(2, radius=RADIUS, size_ratio=1.5, count=60, solid_fraction=0.83, seed=28)
+    builder = AssemblyBuilder(2)
+    builder.add_material("grain", density=2500.0, contact=CONTACT)
+    builder.set_cell(packing.box)
+    builder.add_particles(packing.positions, packing.radii, "grain")
+    simulation = _simulation(builder, damping=0.05)
+    rate = 0.2 / (steps * simulation.time_step)
+    simulation.set_target_stress((math.nan, -2000.0), largest_rate=5.0 * rate)
+    simulation.set_strain_rate([[-rate, rate], [0.0, math.nan]])
+    return simulation
+
+
 def closes(name: str, simulation: ParticleSimulation, steps: int, *, breaks: bool) -> list[Row]:
     """The account after `steps` steps, and that no term of it is idle."""
     started = time.perf_counter()
@@ -125,7 +143,7 @@ def closes(name: str, simulation: ParticleSimulation, steps: int, *, breaks: boo
     lost = {"friction": account.friction, "damping": account.damping, "viscous": account.viscous}
     if breaks:
         lost["broken"] = account.broken
-    given = {"walls": account.walls, "gravity": account.gravity}
+    given = {"cell": account.cell} if simulation.cell else {"walls": account.walls, "gravity": account.gravity}
     if breaks:
         given |= {"applied": account.applied, "driven": account.driven}
     idle = min(map(abs, [*lost.values(), *given.values()])) / supplied
@@ -147,6 +165,7 @@ def run(steps: int = 1_000_000) -> list[Row]:
     """A million steps of each."""
     return [
         *closes("drum of discs", drum(), steps, breaks=False),
+        *closes("discs in a periodic cell", cell(steps), steps, breaks=False),
         *closes("block of bonded discs", block(2, steps), steps, breaks=True),
         *closes("block of bonded spheres", block(3, steps), steps, breaks=True),
     ]
