@@ -196,6 +196,8 @@ def start_half_a_step_back(s: ParticleSimulation) -> None:
     s.initial_energy = float(0.5 * both[free].sum())
     if s.features.energy:
         s.initial_energy += float(s.sums[:, [motion.TOTAL_ELASTIC, motion.ANCHORED]].sum())
+        # what is stored at the start is given as it is: no work was done on the way there
+        s.sums[:, motion.TOTAL_FRICTION] = 0.0
         # the first step counts the work on a way of half a step back, which was never gone
         back = np.where(free, s.time_step * before, 0.0)
         weight = s.assembly.gravity / arrays.inverse_mass[:, None]

@@ -19,6 +19,7 @@ from .bond import parallel_bond, rotational_bond, two_springs
 from .contact import (
     cohesive_frictional,
     hertz,
+    hertz_dmt,
     hertz_mindlin,
     linear_frictional,
     linear_incremental,
@@ -38,6 +39,7 @@ CONTACT_LAWS: dict[str, ModuleType] = {
         linear_rolling,
         hertz,
         hertz_mindlin,
+        hertz_dmt,
     )
 }
 """Laws of particles that touch by name."""

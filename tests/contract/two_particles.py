@@ -57,6 +57,13 @@ LAWS = {
         "friction_coefficient": 0.4,
         "restitution": 0.3,
     },
+    "hertz_dmt": {
+        "young_modulus": 5e10,
+        "poisson_ratio": 0.2,
+        "friction_coefficient": 0.4,
+        "work_of_adhesion": 100.0,
+        "restitution": 0.3,
+    },
     "two_springs": {
         "normal_stiffness": 2e7,
         "shear_stiffness": 8e6,
@@ -104,8 +111,10 @@ ELASTIC = {
 """Strengths that no path reaches."""
 
 NOT_LINEAR = {"hertz"}
-SHEAR_FOLLOWS_LOAD = {"hertz_mindlin"}
+SHEAR_FOLLOWS_LOAD = {"hertz_mindlin", "hertz_dmt"}
 """The shear spring is stiffer the more the two are pressed, and loses some of its energy as that changes."""
+JUMPS = {"hertz_dmt"}
+"""The force begins and ends with a jump."""
 LOSSLESS = {"hertz"}
 """Neither friction nor anything that breaks."""
 
