@@ -21,6 +21,7 @@ from .contact import (
     hertz,
     hertz_dmt,
     hertz_mindlin,
+    hertz_mindlin_rolling,
     linear_frictional,
     linear_incremental,
     linear_rolling,
@@ -39,6 +40,7 @@ CONTACT_LAWS: dict[str, ModuleType] = {
         linear_rolling,
         hertz,
         hertz_mindlin,
+        hertz_mindlin_rolling,
         hertz_dmt,
     )
 }

@@ -57,6 +57,14 @@ LAWS = {
         "friction_coefficient": 0.4,
         "restitution": 0.3,
     },
+    "hertz_mindlin_rolling": {
+        "young_modulus": 5e10,
+        "poisson_ratio": 0.2,
+        "friction_coefficient": 0.4,
+        "rolling_friction": 0.3,
+        "twisting_friction": 0.2,
+        "restitution": 0.3,
+    },
     "hertz_dmt": {
         "young_modulus": 5e10,
         "poisson_ratio": 0.2,
@@ -111,7 +119,7 @@ ELASTIC = {
 """Strengths that no path reaches."""
 
 NOT_LINEAR = {"hertz"}
-SHEAR_FOLLOWS_LOAD = {"hertz_mindlin", "hertz_dmt"}
+SHEAR_FOLLOWS_LOAD = {"hertz_mindlin", "hertz_mindlin_rolling", "hertz_dmt"}
 """The shear spring is stiffer the more the two are pressed, and loses some of its energy as that changes."""
 JUMPS = {"hertz_dmt"}
 """The force begins and ends with a jump."""
