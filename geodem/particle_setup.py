@@ -128,14 +128,16 @@ def scene_features(s: ParticleSimulation, *, energy: bool, orientation: bool) ->
 
 
 def _any_friction(fields: tuple[str, ...], table: Floats) -> bool:
-    """Some contact carries shear: laws without a friction coefficient always do."""
-    columns = [k for k, name in enumerate(fields) if name in ("friction_coefficient", "adhesion_shear")]
+    """Some contact carries shear or moments: laws without a coefficient of friction always do."""
+    columns = [k for k, name in enumerate(fields) if "friction" in name or name == "adhesion_shear"]
     return bool(table[:, columns].any()) if columns else True
 
 
 def _any_viscosity(fields: tuple[str, ...], table: Floats) -> bool:
+    """Some dashpot is there: a viscosity that is not zero, or a restitution below one."""
     columns = [k for k, name in enumerate(fields) if name.endswith("_viscosity")]
-    return bool(table[:, columns].any()) if columns else False
+    bounce = [k for k, name in enumerate(fields) if name == "restitution"]
+    return bool(table[:, columns].any()) or bool((table[:, bounce] < 1.0).any())
 
 
 def first_pairs(s: ParticleSimulation) -> PairList:
@@ -214,6 +216,8 @@ def start_half_a_step_back(s: ParticleSimulation) -> None:
     s.initial_energy = float(0.5 * both[free].sum())
     if s.features.energy:
         s.initial_energy += float(s.sums[:, [motion.TOTAL_ELASTIC, motion.ANCHORED]].sum())
+        # what is stored at the start is given as it is: no work was done on the way there
+        s.sums[:, motion.TOTAL_FRICTION] = 0.0
         # the first step counts the work on a way of half a step back, which was never gone
         back = np.where(free, s.time_step * before, 0.0)
         weight = s.assembly.gravity / arrays.inverse_mass[:, None]

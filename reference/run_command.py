@@ -17,6 +17,7 @@ from .problems import (
     oscillator,
     published_slopes,
     timestep,
+    trubal,
 )
 from .results_file import store_rows
 
@@ -33,6 +34,7 @@ PROBLEMS: dict[str, ModuleType] = {
     "oscillator": oscillator,
     "slopes": published_slopes,
     "timestep": timestep,
+    "trubal": trubal,
 }
 
 

@@ -11,10 +11,12 @@ from geodem.laws.protocol import argument_names, check_law, constants, history_n
 from tests.contract.bond_strengths import STRENGTHS
 from tests.contract.two_particles import (
     CASES,
+    JUMPS,
     LAWS,
     LOSSLESS,
     NOT_LINEAR,
     REGISTERED,
+    SHEAR_FOLLOWS_LOAD,
     SIZE,
     Motion,
     Pair,
@@ -62,7 +64,10 @@ def test_force_is_the_gradient_of_the_energy(law, dimension):
         for motion in past:
             force = here.step(motion).vector()
         directions = [(axis, name) for axis, name in enumerate(law_freedoms(law, dimension)) if name]
-        for axis, _ in directions:
+        for axis, name in reversed(directions):
+            if name == "overlap" and law.NAME in SHEAR_FOLLOWS_LOAD:
+                # of the energy in shear some is lost: here there is none
+                past = [no_motion(approach=motion.approach) for motion in past]
             ends = []
             for sign in (1.0, -1.0):
                 pair = Pair(law, parameters, dimension)
@@ -114,6 +119,8 @@ def test_an_elastic_loop_costs_nothing(law, dimension):
     # the trapezoid sum is exact for linear laws; else wrong by the square of the steps
     linear = law.NAME not in NOT_LINEAR
     for motion in closed_path(np.random.default_rng(2), dimension, steps=20 if linear else 200):
+        if law.NAME in SHEAR_FOLLOWS_LOAD:
+            motion = motion._replace(approach=0.0)
         after = pair.step(motion)
         done = work(before, after, motion)
         assert done == pytest.approx(pair.energy() - stored, rel=1e-6, abs=1e-10 * abs(stored))
@@ -126,12 +133,12 @@ def test_an_elastic_loop_costs_nothing(law, dimension):
 @every_case
 def test_a_loop_gives_no_energy(law, dimension):
     """Closed loops from rest, through sliding, parting, touching again and breaking: work >= what is stored."""
-    spent_share = []
+    spent_share, jumps, sizes = [], [], []
     broken = parted = 0
     for seed in range(12):
         pair = Pair(law, parameters_of(law), dimension)
         before = pair.answer
-        total = size = spent = 0.0
+        total = size = spent = unknown = 0.0
         lived = False
         for motion in closed_path(np.random.default_rng(seed), dimension):
             stored = pair.energy()
@@ -139,14 +146,20 @@ def test_a_loop_gives_no_energy(law, dimension):
             done = work(before, after, motion)
             total, size = total + done, size + abs(done)
             spent += done - pair.energy() + stored
+            if law.NAME in JUMPS and lived != pair.alive:
+                # somewhere inside the step
+                unknown += abs(after.normal - before.normal) * abs(motion.approach)
             # the work is a trapezoid sum, wrong by a part of the steps on which the two slide, touch or part
-            assert spent >= -1e-5 * size
+            assert spent >= -1e-5 * size - unknown
             parted += lived and not pair.alive
             lived, before = pair.alive, after
-        assert total >= -1e-5 * size
+        assert total >= -1e-5 * size - unknown
+        jumps.append(unknown)
+        sizes.append(size)
         broken += pair.broken
         if size:
             spent_share.append(spent / size)
+    assert sum(jumps) < 1e-3 * sum(sizes)
     if law.NAME in LOSSLESS:
         assert np.median(spent_share) < 1e-4
     else:
@@ -285,9 +298,12 @@ def test_in_the_plane_forces_stay_in_the_plane(law, dimension):
 
 @every_law
 def test_viscous_force_is_eta_k_v(law):
-    """Zhao 2015, eqs 1.31-1.32: F = eta k v, against the velocity of b from a, so it always takes power."""
+    """Zhao 2015, eqs 1.31-1.32: F = eta k v, against the velocity of b from a, so it always takes power.
+
+    Dashpots that follow from a coefficient of restitution are tested with their laws.
+    """
     assert hasattr(law, "viscous") == law.VISCOUS
-    if not law.VISCOUS:
+    if "normal_viscosity" not in law.PARAMETERS._fields:
         return
     parameters = parameters_of(law)
     rng = np.random.default_rng(7)

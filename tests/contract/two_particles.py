@@ -41,7 +41,37 @@ LAWS = {
         "normal_viscosity": 1e-5,
         "shear_viscosity": 2e-5,
     },
+    "linear_rolling": {
+        "normal_stiffness": 2e7,
+        "shear_stiffness": 8e6,
+        "friction_coefficient": 0.4,
+        "rolling_friction": 0.3,
+        "twisting_friction": 0.2,
+        "normal_viscosity": 1e-5,
+        "shear_viscosity": 2e-5,
+    },
     "hertz": {"young_modulus": 5e10, "poisson_ratio": 0.2},
+    "hertz_mindlin": {
+        "young_modulus": 5e10,
+        "poisson_ratio": 0.2,
+        "friction_coefficient": 0.4,
+        "restitution": 0.3,
+    },
+    "hertz_mindlin_rolling": {
+        "young_modulus": 5e10,
+        "poisson_ratio": 0.2,
+        "friction_coefficient": 0.4,
+        "rolling_friction": 0.3,
+        "twisting_friction": 0.2,
+        "restitution": 0.3,
+    },
+    "hertz_dmt": {
+        "young_modulus": 5e10,
+        "poisson_ratio": 0.2,
+        "friction_coefficient": 0.4,
+        "work_of_adhesion": 100.0,
+        "restitution": 0.3,
+    },
     "two_springs": {
         "normal_stiffness": 2e7,
         "shear_stiffness": 8e6,
@@ -78,6 +108,8 @@ LAWS = {
 
 ELASTIC = {
     "friction_coefficient": 1e9,
+    "rolling_friction": 1e9,
+    "twisting_friction": 1e9,
     "tensile_strength": np.inf,
     "cohesion": np.inf,
     "shear_strength": np.inf,
@@ -87,6 +119,10 @@ ELASTIC = {
 """Strengths that no path reaches."""
 
 NOT_LINEAR = {"hertz"}
+SHEAR_FOLLOWS_LOAD = {"hertz_mindlin", "hertz_mindlin_rolling", "hertz_dmt"}
+"""The shear spring is stiffer the more the two are pressed, and loses some of its energy as that changes."""
+JUMPS = {"hertz_dmt"}
+"""The force begins and ends with a jump."""
 LOSSLESS = {"hertz"}
 """Neither friction nor anything that breaks."""
 
