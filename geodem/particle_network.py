@@ -75,7 +75,7 @@ def falling_freely(simulation: ParticleSimulation) -> NDArray[np.int64]:
 
     Parts are what bonds and touching contacts join. A part is held where a particle of it is held or anchored, or
     touches a wall; its fall is along the sum of its loads, and in its way is whatever that is held lies ahead of it
-    within its width. Bounded walls count as in the way wherever they are.
+    within its width. Bounded walls count as in the way wherever they are, and in a periodic cell everything does.
     """
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
@@ -94,7 +94,7 @@ def falling_freely(simulation: ParticleSimulation) -> NDArray[np.int64]:
     if s.assembly.anchors is not None:
         held |= np.isin(ids, s.assembly.anchors.particle)
     supported = np.bincount(part, held, parts) > 0
-    if supported.all() or len(s.walls.kind) > np.count_nonzero(s.walls.kind == 0):
+    if supported.all() or s.cell is not None or len(s.walls.kind) > np.count_nonzero(s.walls.kind == 0):
         return np.empty(0, dtype=np.int64)
     load = s.assembly.applied[ids, :d] + s.assembly.mass[ids, None] * s.assembly.gravity
     positions, radius = s.now[:, s.columns.position], s.now[:, s.columns.radius]

@@ -178,6 +178,10 @@ def history_columns(s: ParticleSimulation) -> tuple[str, ...]:
     for wall in s.assembly.walls:
         names += [f"force on {wall.name}, {axis} [N{deep}]" for axis in "xyz"[: s.dimension]]
         names += [f"displacement of {wall.name}, {axis} [m]" for axis in "xyz"[: s.dimension]]
+    if s.cell is not None:
+        axes = "xyz"[: s.dimension]
+        for what, unit in (("stress", "Pa"), ("strain", "-")):
+            names += [f"{what} {i}{j} [{unit}]" for i in axes for j in axes if i <= j]
     if s.features.energy:
         names += [f"energy account, {term} [J{deep}]" for term in ParticleEnergy._fields]
     return tuple(names)
@@ -194,6 +198,10 @@ def history_values(s: ParticleSimulation) -> list[float | int]:
     ]  # fmt: skip
     for force, way in zip(s.walls.forces(), s.walls.displacements(), strict=True):
         values += [*force.tolist(), *way.tolist()]
+    if s.cell is not None:
+        upper = np.triu_indices(s.dimension)
+        stress = s.stress()
+        values += [*(0.5 * (stress + stress.T))[upper].tolist(), *s.strain()[upper].tolist()]
     if s.features.energy:
         values += list(s.energy())
     return values

@@ -28,7 +28,9 @@ def all_threads():
 def packed(dimension, *, count, shift=None, seed=1, vectors=None, **options):
     """A random packing, a little too dense to be without contacts, in a cell."""
     fraction = 0.84 if dimension == 2 else 0.63
-    packing = random_packing(dimension, radius=0.01, size_ratio=1.5, count=count, solid_fraction=fraction, seed=seed)
+    packing = random_packing(
+        dimension, radius=0.01, size_ratio=1.5, count=count, solid_fraction=fraction, seed=seed
+    )
     builder = AssemblyBuilder(dimension)
     builder.add_material("m", density=2500.0, contact=CONTACT)
     edges = np.diag(packing.box) if vectors is None else vectors(packing.box)
@@ -93,9 +95,10 @@ def test_copies_of_every_size_of_particle_are_found():
     kept = []
     for k in range(400):
         apart = places[kept] - places[k]
-        if not kept or (
-            np.linalg.norm(builder._cell.nearest(apart), axis=1) > 0.6 * (radii[kept] + radii[k])
-        ).all():
+        if (
+            not kept
+            or (np.linalg.norm(builder._cell.nearest(apart), axis=1) > 0.6 * (radii[kept] + radii[k])).all()
+        ):
             kept.append(k)
     builder.add_particles(places[kept], radii[kept], "m")
     s = ParticleSimulation(builder.build(), time_step=1e-6)
@@ -234,7 +237,9 @@ def test_stress_of_a_lattice_under_uniform_strain_is_the_closed_form(kind, conta
 def test_share_of_the_volume_and_wrapped_places():
     s = packed(2, count=300, shift=(5.0, -3.0))
     sides = np.diag(s.cell.vectors)
-    assert s.solid_fraction() == pytest.approx((math.pi * s.assembly.radii**2).sum() / sides.prod(), rel=1e-12)
+    assert s.solid_fraction() == pytest.approx(
+        (math.pi * s.assembly.radii**2).sum() / sides.prod(), rel=1e-12
+    )
     wrapped = s.wrapped_positions()
     assert ((wrapped >= 0.0) & (wrapped <= sides)).all()
     whole = (s.positions - wrapped) / sides

@@ -130,10 +130,10 @@ def advance(
 
     teams: parts of the chunks that are computed at the same time, one a thread; no bit depends on their number.
     rows (2, n, 8 or 12), phase: which of the two holds the present; local_a to target: see `geodem.neighbors.halo`;
-    sums (chunks, 17, and 9 more where PERIODIC); force (n, 3 or 6): resultants of the last step, halo_force (h, 3 or 6);
-    moved, carried [m]: how far particles and walls may have moved since the last search, added up here so that no rounding depends on where a
-    batch of steps ended; buffer [m]: of the pair list; global_damping, damping_ratio: where RELAX, the damping of the
-    first step and its share of the critical one of the lowest frequency in motion.
+    sums (chunks, 17, and 9 more where PERIODIC); force (n, 3 or 6): resultants of the last step, halo_force (h, 3 or
+    6); moved, carried [m]: how far particles and walls may have moved since the last search, added up here so that no
+    rounding depends on where a batch of steps ended; buffer [m]: of the pair list; global_damping, damping_ratio: where
+    RELAX, the damping of the first step and its share of the critical one of the lowest frequency in motion.
     Sleep: asleep (chunks,) uint8, quiet (chunks,) steps that a chunk and all around it have been slower than
     sleep_speed; neighbour_start, neighbour: the chunks around each one.
     Periodic: image (p, d) of every pair, cell: see `geodem.kernels.cell`.

@@ -118,7 +118,9 @@ def axisymmetric(friction: float) -> list[Row]:
     """Face-centred cubic spheres, equal stress across."""
     found = load(array(3, friction))
     expected = 2.0 * (1.0 + friction) / (1.0 - friction)
-    return _rows("FCC axisymmetric", friction, found, [("sigma 1 over sigma 3 [-]", 2, expected, AXISYMMETRIC)])
+    return _rows(
+        "FCC axisymmetric", friction, found, [("sigma 1 over sigma 3 [-]", 2, expected, AXISYMMETRIC)]
+    )
 
 
 def plane_strain(friction: float) -> list[Row]:
@@ -136,11 +138,26 @@ def plane_strain(friction: float) -> list[Row]:
 def _rows(name: str, friction: float, found: Failure, ratios: list[tuple[str, int, float, str]]) -> list[Row]:
     name = f"P23 {name}, friction {friction:g}"
     rows = [
-        relative(name, quantity, float(found.stress[axis] / found.stress[0]), expected, BOUND, found.seconds, source)
+        relative(
+            name,
+            quantity,
+            float(found.stress[axis] / found.stress[0]),
+            expected,
+            BOUND,
+            found.seconds,
+            source,
+        )
         for quantity, axis, expected, source in ratios
     ]
     rows.append(
-        at_most(name, "deepest overlap over diameter, at most", found.deepest, DEEPEST, found.seconds, "stiff contacts")
+        at_most(
+            name,
+            "deepest overlap over diameter, at most",
+            found.deepest,
+            DEEPEST,
+            found.seconds,
+            "stiff contacts",
+        )
     )
     return rows
 

@@ -143,7 +143,9 @@ def closes(name: str, simulation: ParticleSimulation, steps: int, *, breaks: boo
     lost = {"friction": account.friction, "damping": account.damping, "viscous": account.viscous}
     if breaks:
         lost["broken"] = account.broken
-    given = {"cell": account.cell} if simulation.cell else {"walls": account.walls, "gravity": account.gravity}
+    given = (
+        {"cell": account.cell} if simulation.cell else {"walls": account.walls, "gravity": account.gravity}
+    )
     if breaks:
         given |= {"applied": account.applied, "driven": account.driven}
     idle = min(map(abs, [*lost.values(), *given.values()])) / supplied
