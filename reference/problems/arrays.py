@@ -130,8 +130,8 @@ def axisymmetric(friction: float) -> list[Row]:
 def plane_strain(friction: float) -> list[Row]:
     """Face-centred cubic spheres that cannot move along y.
 
-    They are kept from spinning, as the formula has it. When all contacts slide nothing holds them back any more, and what
-    rounding begins ends with half of the contacts rolling: at f = 0.3 at 4.60 and 1.80 instead of 4.88 and 1.96.
+    They are kept from spinning, as the formula has it. When all contacts slide nothing holds them back any more, and
+    what rounding begins ends with half of the contacts rolling: at f = 0.3 at 4.60 and 1.80 instead of 4.88 and 1.96.
     """
     found = load(array(3, friction, gap=GAP, spin=False), held=1)
     least = math.sqrt(3.0) - 2.0 * math.sqrt(2.0) * friction
