@@ -85,26 +85,6 @@ def test_pairs_are_the_nearest_images_in_a_sheared_cell(dimension):
     assert (np.minimum(p.a, p.b) == p.listed_under()).all()
 
 
-def test_copies_of_every_size_of_particle_are_found():
-    rng = np.random.default_rng(5)
-    radii = np.exp(rng.uniform(0.0, np.log(8.0), 400)) * 0.001
-    builder = AssemblyBuilder(2)
-    builder.add_material("m", density=2500.0, contact=CONTACT)
-    builder.set_cell(np.array([[0.1, 0.0], [0.04, 0.1]]))
-    places = rng.uniform(-1.0, 1.0, (400, 2))
-    kept = []
-    for k in range(400):
-        apart = places[kept] - places[k]
-        if (
-            not kept
-            or (np.linalg.norm(builder._cell.nearest(apart), axis=1) > 0.6 * (radii[kept] + radii[k])).all()
-        ):
-            kept.append(k)
-    builder.add_particles(places[kept], radii[kept], "m")
-    s = ParticleSimulation(builder.build(), time_step=1e-6)
-    assert s.pairs.pairs == len(branches_by_brute_force(s, s.buffer)) > 200
-
-
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_where_the_cell_begins_changes_no_force(dimension):
     def forces(shift):
