@@ -101,8 +101,8 @@ class ParticleCell:
         largest_rate : float
             Bound on the rate of every component [1/s].
         gain : float, optional
-            [1/(Pa s)]; where left out it follows from the stiffness of all contacts: one step makes good a tenth of the
-            error at most.
+            [1/(Pa s)]; where left out it follows from the stiffness of all contacts: one step makes good half of the
+            error at most. A stress that must be kept up against a rate of another component lags by rate/gain.
 
         Raises
         ------

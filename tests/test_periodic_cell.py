@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from geodem import _jit
+from geodem import _jit, particle_simulation
 from geodem.builders.assembly_builder import AssemblyBuilder
 from geodem.builders.packings import lattice
 from geodem.builders.random_packing import random_packing
@@ -43,7 +43,7 @@ def packed(dimension, *, count, shift=None, seed=1, vectors=None, **options):
     rng = np.random.default_rng(seed)
     velocity = rng.uniform(-0.01, 0.01, places.shape)
     builder.add_particles(places, packing.radii * size, "m", velocity=velocity)
-    return ParticleSimulation(builder.build(), **options)
+    return ParticleSimulation(builder.build(), local_damping=0.1, **options)
 
 
 def sheared(box):
@@ -88,12 +88,12 @@ def test_pairs_are_the_nearest_images_in_a_sheared_cell(dimension):
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_where_the_cell_begins_changes_no_force(dimension):
     def forces(shift):
-        s = packed(dimension, count=450, shift=shift, time_step=1e-5)
+        s = packed(dimension, count=300, shift=shift, time_step=1e-5)
         s.set_strain_rate(-1.0)
         s.run(30)
         return s.forces, s.stress()
 
-    size = packed(dimension, count=450).cell.vectors.max()
+    size = packed(dimension, count=300).cell.vectors.max()
     here, stress = forces(None)
     there, same = forces(np.random.default_rng(7).uniform(-2.0, 2.0, dimension) * size)
     assert np.abs(here).max() > 1.0
@@ -102,21 +102,20 @@ def test_where_the_cell_begins_changes_no_force(dimension):
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_momentum_is_kept_while_the_cell_shears(dimension):
-    s = packed(dimension, count=450)
-    mass = s.assembly.mass[:, None]
-    before = (mass * s.velocities).sum(axis=0)
+def test_forces_cancel_while_the_cell_shears_on(dimension):
+    s = packed(dimension, count=300)
     rate = np.zeros((dimension, dimension))
-    rate[0, 1] = 2.0
+    rate[0, 1] = 0.8 / (4000 * s.time_step)
     s.set_strain_rate(rate)
-    s.run(2000)
-    after = mass * s.velocities
-    assert np.allclose(after.sum(axis=0), before, atol=1e-10 * np.abs(after).sum())
-    # far enough for edges to be chosen anew
+    for _ in range(8):
+        s.run(500)
+        forces = s.forces[:, :dimension]
+        assert np.allclose(forces.sum(axis=0), 0.0, atol=1e-10 * np.abs(forces).sum())
+        assert np.abs(forces).max() > 1.0
+    # far enough for other edges to be chosen
     gradient = s.deformation_gradient()
-    assert gradient[0, 1] == pytest.approx(2.0 * s.time, rel=1e-9)
-    assert abs(gradient[0, 1]) > 0.6
-    assert abs(s.cell.vectors[1, 0]) <= 0.51 * s.cell.vectors[0, 0]
+    assert gradient[0, 1] == pytest.approx(0.8, rel=1e-9)
+    assert abs(s.cell.vectors[1, 0]) <= 0.55 * s.cell.vectors[0, 0]
 
 
 def driven_by_stress(dimension, count):
@@ -149,32 +148,35 @@ def test_same_bits_on_one_and_two_threads_and_after_resuming(dimension, tmp_path
     same_state(found[1], again)
 
 
-def test_blocks_give_what_pairs_one_by_one_give():
-    def after(energy):
-        s = packed(3, count=450, energy=energy)
-        assert s.features.in_blocks() is not energy
+def test_blocks_give_what_pairs_one_by_one_give(monkeypatch):
+    def after():
+        s = packed(3, count=450)
         rate = np.diag([-0.5, 0.2, -0.1])
         rate[0, 1] = 0.3
         s.set_strain_rate(rate)
         s.run(100)
         return s
 
-    blocks, single = after(False), after(True)
-    scale = np.abs(single.forces).max()
-    assert np.allclose(blocks.forces, single.forces, atol=1e-9 * scale)
+    blocks = after()
+    monkeypatch.setattr(particle_simulation, "SERIAL_LIMIT", 1000)
+    single = after()
+    assert blocks.features.in_blocks()
+    assert not single.features.in_blocks()
+    assert np.allclose(blocks.forces, single.forces, atol=1e-9 * np.abs(single.forces).max())
     assert np.allclose(blocks.stress(), single.stress(), rtol=1e-9)
+    assert np.abs(single.stress()).min() > 1.0
 
 
-def regular(kind, strain, friction=0.0):
+def regular(kind, strain):
     """A lattice strained by `strain` (d, d) from where its particles just touch."""
     dimension = 2 if kind == "hexagonal" else 3
-    cells = (18, 12) if dimension == 2 else (5, 5, 5)
+    cells = (6, 4) if dimension == 2 else (3, 3, 3)
     packing = lattice(kind, 0.01, cells=cells)
     builder = AssemblyBuilder(dimension)
-    builder.add_material("m", density=2500.0, contact={**CONTACT, "friction_coefficient": friction})
+    builder.add_material("m", density=2500.0, contact=CONTACT)
     builder.set_cell(packing.box)
     builder.add_particles(packing.positions, packing.radii, "m")
-    s = ParticleSimulation(builder.build())
+    s = ParticleSimulation(builder.build(), local_damping=0.1)
     steps = 1000
     # the gradient whose steps lead to 1 + strain
     s.set_strain_rate(np.diag((1.0 + np.diag(strain)) ** (1.0 / steps) - 1.0) / s.time_step)
@@ -228,7 +230,7 @@ def test_share_of_the_volume_and_wrapped_places():
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_servo_reaches_its_stress_and_keeps_it(dimension):
-    s = driven_by_stress(dimension, 450)
+    s = driven_by_stress(dimension, 300)
     s.run(4000)
     target = -2e4 * np.ones(dimension)
     assert np.allclose(np.diag(s.stress()), target, rtol=0.01)
@@ -256,7 +258,7 @@ def test_bonds_reach_across_the_cell():
 
 
 def test_equilibrium_in_a_cell_that_is_held():
-    s = packed(2, count=450)
+    s = packed(2, count=300)
     s.set_strain_rate(-1.0)
     s.run(20)
     vectors = s.cell.vectors
@@ -367,7 +369,7 @@ def test_controls_that_cannot_be_are_refused(call, problem):
 
 
 def test_a_cell_that_has_become_too_thin_ends_the_run():
-    s = packed(2, count=450)
+    s = packed(2, count=300)
     s.cell.state[:2] *= 0.05
     with pytest.raises(InputError, match="thick"):
         s.search()

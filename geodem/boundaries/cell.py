@@ -14,7 +14,7 @@ from ..neighbors import Lattice, lattice
 
 Floats = NDArray[np.float64]
 
-SERVO_SHARE = 0.1
+SERVO_SHARE = 0.5
 """Share of its error that a servo makes good in one step, at most: it answers to the stress of the step before."""
 
 GIVEN, STRESS, MEAN = 0.0, 1.0, 2.0
