@@ -163,14 +163,13 @@ def trajectory_of(posed: Posed, folder: Path, printed: str, version: str) -> Tra
     read = read_verlet(posed, folder, printed, names)
     broken: list[tuple[int, int, int]] = []
     if a.bond_law is not None:
-        frames = np.array(posed.frames)
         local = read_local(folder / "broken.txt", 3, range(posed.steps + 1), printed)
         for step, rows in local.items():
             for _, first, second in rows:
-                pair = sorted([int(first) - 1, int(second) - 1])
-                broken.append(
-                    (pair[0], pair[1], int(frames[min(np.searchsorted(frames, step), len(frames) - 1)]))
-                )
+                low, high = int(min(first, second)) - 1, int(max(first, second)) - 1
+                # it breaks with the forces that lead to the next frame
+                after = [frame for frame in posed.frames if frame >= step + read.lag]
+                broken.append((low, high, after[0] if after else step + read.lag))
     return replace(
         read.trajectory, code="lammps", version=version, law=FRICTIONAL if a.bond_law is None else BONDED,
         broken=tuple(sorted(set(broken), key=lambda one: (one[2], one[0], one[1]))),

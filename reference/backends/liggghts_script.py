@@ -171,6 +171,8 @@ def script_of(posed: Posed) -> str:
         "thermo_modify lost error",
     ]
     columns = columns_of([f"f_force_{name}" for name in _wall_names(a)])
+    if steps_of_pairs(posed):
+        lines.append("compute pairs all pair/gran/local id history")
     if posed.first > 1 and posed.every == 1:
         lines.append(f"run {posed.first - 1}")
     lines += [
@@ -179,7 +181,6 @@ def script_of(posed: Posed) -> str:
     ]
     if steps_of_pairs(posed):
         lines += [
-            "compute pairs all pair/gran/local id history",
             f"dump pairs all local {_every_pairs(posed)} pairs.txt "
             + " ".join(f"c_pairs[{c + 1}]" for c in range(len(PAIRS))),
             'dump_modify pairs format "%g %g %g %.17g %.17g %.17g"',
@@ -243,11 +244,8 @@ def _pairs(posed: Posed, folder: Path, printed: str, read: Read) -> PairForces |
     distance = np.sqrt((apart**2).sum(axis=1))[:, None]
     spring = rows[:, 3:6]
     shear = np.full_like(spring, np.nan)
-    if a.contact_law == "hooke_stiffness":
-        count = len(a.material_names)
-        column = CONTACT_LAWS[a.contact_law].PARAMETERS._fields.index("shear_stiffness")
-        row = a.material[pairs[:, 0]].astype(int) * count + a.material[pairs[:, 1]]
-        shear = -a.contact_table[row, column][:, None] * spring
+    if a.contact_law != "hertz_history":
+        shear = -_shear_stiffness(a, pairs)[:, None] * spring
     touching = (distance[:, 0] < a.radii[pairs].sum(axis=1)).nonzero()[0]
     normal = np.full_like(spring, np.nan)
     return sorted_pairs(
@@ -258,3 +256,21 @@ def _pairs(posed: Posed, folder: Path, printed: str, read: Read) -> PairForces |
         (apart / distance)[touching],
         spring[touching],
     )
+
+
+def _shear_stiffness(a: Assembly, pairs: Any) -> Any:
+    """Stiffness (k,) [N/m] across the contacts of pairs: the one given, or hooke's own, as documented."""
+    fields = CONTACT_LAWS[a.contact_law].PARAMETERS._fields
+    count = len(a.material_names)
+    first, second = a.material[pairs[:, 0]].astype(int), a.material[pairs[:, 1]].astype(int)
+    rows = a.contact_table[first * count + second]
+    if a.contact_law == "hooke_stiffness":
+        return rows[:, fields.index("shear_stiffness")]
+    own = a.contact_table[np.arange(count) * (count + 1)]
+    softness = (1.0 - own[:, fields.index("poisson_ratio")] ** 2) / own[:, fields.index("young_modulus")]
+    young = 1.0 / (softness[first] + softness[second])
+    radius, mass = a.radii[pairs], a.mass[pairs]
+    root = np.sqrt(radius.prod(axis=1) / radius.sum(axis=1))
+    reduced = mass.prod(axis=1) / mass.sum(axis=1)
+    pace = rows[:, fields.index("characteristic_velocity")]
+    return 16 / 15 * root * young * (15.0 * reduced * pace**2 / (16.0 * root * young)) ** 0.2
