@@ -102,7 +102,8 @@ def script_of(posed: Posed) -> str:
         for j in range(i, count):
             lines.append(f"pair_coeff {i + 1} {j + 1} {_contact(a.pair_parameters(i, j))}")
     if bonded:
-        lines.append("bond_style bpm/rotational store/local broken 1 time id1 id2")
+        # by default forces fade before a bond breaks
+        lines.append("bond_style bpm/rotational store/local broken 1 time id1 id2 smooth no")
         for k, row in enumerate(bond_kinds(a)[0]):
             lines.append(f"bond_coeff {k + 1} " + " ".join(repr(float(value)) for value in row) + " 0.0" * 4)
         lines.append("dump broken all local 1 broken.txt f_broken[1] f_broken[2] f_broken[3]")
