@@ -14,6 +14,8 @@ from .boundaries.wall_table import set_servo_gains
 from .errors import InputError
 from .kernels import motion
 from .kernels.particle_kernel import Features
+from .laws import BOND_LAWS
+from .laws.convention import CONVENTIONS
 from .neighbors import PairList, bond_pairs, rebuild
 from .particle_layout import finite, wall_parameters
 from .particle_network import current_links
@@ -40,6 +42,29 @@ def refuse_damping(local: float, global_: float, stiffness: float) -> None:
         if not (math.isfinite(value) and 0.0 <= value < most):
             bound = "0 to below 1" if most == 1.0 else "0 or more"
             raise InputError(name, "this damping is out of range", f"Give {bound}", value=value)
+
+
+def refuse_convention(
+    convention: str, dimension: int, energy: bool, global_damping: float, local: float
+) -> None:
+    """Raise InputError for a convention that does not exist, or that cannot stand for the scene."""
+    if convention not in CONVENTIONS:
+        raise InputError(
+            "convention", "there is no such convention", f"Known: {', '.join(CONVENTIONS)}.", value=convention
+        )
+    if convention == "geodem":
+        return
+    reasons = []
+    if dimension == 2:
+        reasons.append(("it is made for spheres", "Give spheres, held in a plane where need be"))
+    if energy:
+        reasons.append(("the energy account is kept in geodem's own", "Leave energy out"))
+    if global_damping > 0.0:
+        reasons.append(("mass-proportional damping is geodem's own", "Leave global_damping out"))
+    if local > 0.0 and not CONVENTIONS[convention].AT_MIDDLE:
+        reasons.append(("that code has no local damping", "Leave local_damping out"))
+    for problem, remedy in reasons:
+        raise InputError("convention", problem, f"{remedy}, or take convention='geodem'", value=convention)
 
 
 def choose_buffer(assembly: Assembly, given: float | None) -> float:
@@ -76,7 +101,7 @@ def parameter_tables(assembly: Assembly, beta: float) -> tuple[Floats, Floats, F
     return contact_table, bond_table, wall_table
 
 
-def scene_features(s: ParticleSimulation, *, energy: bool, orientation: bool) -> Features:
+def scene_features(s: ParticleSimulation, *, energy: bool, orientation: bool, convention: str) -> Features:
     """What the scene of a simulation has, so that nothing else is compiled in."""
     a = s.assembly
     contact, bond = Features(s.dimension, a.contact_law, a.bond_law).laws()
@@ -111,6 +136,7 @@ def scene_features(s: ParticleSimulation, *, energy: bool, orientation: bool) ->
         energy=energy,
         sleep=s.sleep is not None,
         blocked=d == 3 and s.parallel and not energy,
+        convention=convention,
     )
 
 
@@ -136,7 +162,8 @@ def first_pairs(s: ParticleSimulation) -> PairList:
     assert layout.offset is not None
     distance = np.linalg.norm(a.positions[a.bonds[:, 0]] - a.positions[a.bonds[:, 1]], axis=1)
     histories = np.zeros((len(a.bonds), len(layout.bond) + 1))
-    histories[:, -1] = distance - a.radii[a.bonds].sum(axis=1)
+    if not getattr(BOND_LAWS[a.bond_law], "FROM_SURFACES", False):
+        histories[:, -1] = distance - a.radii[a.bonds].sum(axis=1)
     return bond_pairs(s.now, s.arrays.ids, a.bonds, histories, offset=len(layout.contact), **common)
 
 
