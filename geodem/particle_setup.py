@@ -141,14 +141,16 @@ def scene_features(s: ParticleSimulation, *, energy: bool, orientation: bool, co
 
 
 def _any_friction(fields: tuple[str, ...], table: Floats) -> bool:
-    """Some contact carries shear: laws without a friction coefficient always do."""
-    columns = [k for k, name in enumerate(fields) if name in ("friction_coefficient", "adhesion_shear")]
+    """Some contact carries shear or moments: laws without a coefficient of friction always do."""
+    columns = [k for k, name in enumerate(fields) if "friction" in name or name == "adhesion_shear"]
     return bool(table[:, columns].any()) if columns else True
 
 
 def _any_viscosity(fields: tuple[str, ...], table: Floats) -> bool:
+    """Some dashpot is there: a viscosity that is not zero, or a restitution below one."""
     columns = [k for k, name in enumerate(fields) if name.endswith("_viscosity")]
-    return bool(table[:, columns].any()) if columns else False
+    bounce = [k for k, name in enumerate(fields) if name == "restitution"]
+    return bool(table[:, columns].any()) or bool((table[:, bounce] < 1.0).any())
 
 
 def first_pairs(s: ParticleSimulation) -> PairList:

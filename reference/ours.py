@@ -14,7 +14,8 @@ from geodem.boundaries import walls
 from geodem.builders.assembly_builder import AssemblyBuilder
 from geodem.particle_simulation import ParticleSimulation
 
-from .backends.outcome import Outcome, Speed, refuse, speed
+from .backends.outcome import Outcome, Speed, speed
+from .backends.program import refuse
 from .scenes import Scene
 
 NAME = "geodem"

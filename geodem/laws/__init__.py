@@ -15,17 +15,34 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from .bond import parallel_bond, two_springs
-from .contact import cohesive_frictional, hertz, linear_frictional, linear_incremental
+from .bond import parallel_bond, rotational_bond, two_springs
+from .contact import (
+    cohesive_frictional,
+    hertz,
+    hertz_mindlin,
+    linear_frictional,
+    linear_incremental,
+    linear_rolling,
+)
 from .ground import mohr_coulomb
 
 GROUND_LAWS: dict[str, ModuleType] = {module.NAME: module for module in (mohr_coulomb,)}
 """Laws of stress-carrying particles by name."""
 
 CONTACT_LAWS: dict[str, ModuleType] = {
-    module.NAME: module for module in (linear_frictional, linear_incremental, cohesive_frictional, hertz)
+    module.NAME: module
+    for module in (
+        linear_frictional,
+        linear_incremental,
+        cohesive_frictional,
+        linear_rolling,
+        hertz,
+        hertz_mindlin,
+    )
 }
 """Laws of particles that touch by name."""
 
-BOND_LAWS: dict[str, ModuleType] = {module.NAME: module for module in (two_springs, parallel_bond)}
+BOND_LAWS: dict[str, ModuleType] = {
+    module.NAME: module for module in (two_springs, parallel_bond, rotational_bond)
+}
 """Laws of bonded particles by name."""

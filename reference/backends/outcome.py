@@ -1,12 +1,9 @@
-"""What a run of another code gives back, and how such a code is started."""
+"""What a run of another code on a scene gives back, and how its speed is measured."""
 
 from __future__ import annotations
 
-import os
-import subprocess
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +15,6 @@ Floats = NDArray[np.float64]
 
 WARM_UP = 20
 """Steps before a timed run: contacts are found, memory is touched."""
-
-
-class BackendError(RuntimeError):
-    """Another code is missing, failed, or cannot stand for the scene."""
 
 
 @dataclass(frozen=True)
@@ -77,31 +70,3 @@ def contacts(scene: Scene, outcome: Outcome) -> int:
     if scene.bonds is not None:
         return len(scene.bonds.pairs)
     return len(touching_pairs(outcome.positions[-1], scene.radii))
-
-
-def start(
-    name: str, command: Sequence[str], folder: Path, environment: dict[str, str], timeout: float
-) -> str:
-    """Run a program in `folder`; return what it printed. Raise BackendError where it failed."""
-    try:
-        done = subprocess.run(
-            list(command), cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT, text=True, timeout=timeout, check=False,
-        )  # fmt: skip
-    except subprocess.TimeoutExpired as error:
-        raise BackendError(f"{name} was not done after {timeout:.0f} s") from error
-    if done.returncode or "ERROR" in done.stdout:
-        raise BackendError(f"{name} failed (status {done.returncode}):\n{done.stdout[-2000:]}")
-    return done.stdout
-
-
-def clean_environment(**more: str) -> dict[str, str]:
-    """This process's environment without what belongs to its own Python."""
-    own = ("PYTHONHOME", "PYTHONPATH", "VIRTUAL_ENV", "LD_LIBRARY_PATH")
-    kept = {name: value for name, value in os.environ.items() if name not in own}
-    return kept | more
-
-
-def refuse(name: str, reason: str) -> BackendError:
-    """The error for a scene that a code's laws cannot stand for."""
-    return BackendError(f"{name} cannot run this scene: {reason}")

@@ -64,8 +64,34 @@ def parallel_bond(dimension):
     return loads
 
 
+def rotational_bond(dimension):
+    """LAMMPS, bond_style bpm/rotational: -N/frc + |Fs|/fsc + |Mb|/Mbc + |Mt|/Mtc = 1, mode of the larger part."""
+    given = LAWS["rotational_bond"]
+    frc, fsc = given["tensile_strength"], given["shear_strength"]
+    mbc, mtc = given["bending_strength"], given["twisting_strength"]
+    loads = [
+        Load("tension", "tension", normal=-frc),
+        Load("bending", "tension", bend=mbc),
+        Load("tension and bending", "tension", normal=-0.4 * frc, bend=0.6 * mbc),
+        Load("pressed and bent", "tension", normal=0.5 * frc, bend=1.5 * mbc),
+        Load("shear", "shear", shear=fsc),
+        Load("pressed and sheared", "shear", normal=0.5 * frc, shear=1.5 * fsc),
+        Load("drawn and sheared", "shear", normal=-0.3 * frc, shear=0.7 * fsc),
+        Load("sheared and drawn", "tension", normal=-0.7 * frc, shear=0.3 * fsc),
+    ]
+    if dimension == 3:
+        loads += [
+            Load("twist", "shear", twist=mtc),
+            Load("shear and twist back", "shear", shear=0.3 * fsc, twist=-0.7 * mtc),
+            Load("all four", "shear", normal=-0.2 * frc, shear=0.3 * fsc, twist=0.4 * mtc, bend=0.1 * mbc),
+        ]
+    return loads
+
+
 STRENGTHS = {
     ("two_springs", 2): two_springs(),
     ("parallel_bond", 2): parallel_bond(2),
     ("parallel_bond", 3): parallel_bond(3),
+    ("rotational_bond", 2): rotational_bond(2),
+    ("rotational_bond", 3): rotational_bond(3),
 }

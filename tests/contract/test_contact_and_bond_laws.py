@@ -15,6 +15,7 @@ from tests.contract.two_particles import (
     LOSSLESS,
     NOT_LINEAR,
     REGISTERED,
+    SHEAR_FOLLOWS_LOAD,
     SIZE,
     Motion,
     Pair,
@@ -62,7 +63,10 @@ def test_force_is_the_gradient_of_the_energy(law, dimension):
         for motion in past:
             force = here.step(motion).vector()
         directions = [(axis, name) for axis, name in enumerate(law_freedoms(law, dimension)) if name]
-        for axis, _ in directions:
+        for axis, name in reversed(directions):
+            if name == "overlap" and law.NAME in SHEAR_FOLLOWS_LOAD:
+                # of the energy in shear some is lost: here there is none
+                past = [no_motion(approach=motion.approach) for motion in past]
             ends = []
             for sign in (1.0, -1.0):
                 pair = Pair(law, parameters, dimension)
@@ -114,6 +118,8 @@ def test_an_elastic_loop_costs_nothing(law, dimension):
     # the trapezoid sum is exact for linear laws; else wrong by the square of the steps
     linear = law.NAME not in NOT_LINEAR
     for motion in closed_path(np.random.default_rng(2), dimension, steps=20 if linear else 200):
+        if law.NAME in SHEAR_FOLLOWS_LOAD:
+            motion = motion._replace(approach=0.0)
         after = pair.step(motion)
         done = work(before, after, motion)
         assert done == pytest.approx(pair.energy() - stored, rel=1e-6, abs=1e-10 * abs(stored))
@@ -285,9 +291,12 @@ def test_in_the_plane_forces_stay_in_the_plane(law, dimension):
 
 @every_law
 def test_viscous_force_is_eta_k_v(law):
-    """Zhao 2015, eqs 1.31-1.32: F = eta k v, against the velocity of b from a, so it always takes power."""
+    """Zhao 2015, eqs 1.31-1.32: F = eta k v, against the velocity of b from a, so it always takes power.
+
+    Dashpots that follow from a coefficient of restitution are tested with their laws.
+    """
     assert hasattr(law, "viscous") == law.VISCOUS
-    if not law.VISCOUS:
+    if "normal_viscosity" not in law.PARAMETERS._fields:
         return
     parameters = parameters_of(law)
     rng = np.random.default_rng(7)
@@ -312,7 +321,7 @@ def test_two_materials(law):
     assert law.combine(first, first) == first
     both = law.combine(first, second)
     assert law.combine(second, first) == pytest.approx(both, rel=1e-15)
-    stiff = {"normal_stiffness", "shear_stiffness", "young_modulus"} & set(first._fields)
+    stiff = {name for name in first._fields if name.endswith(("_stiffness", "young_modulus"))}
     assert stiff
     rigid = first._replace(**dict.fromkeys(stiff, 1e30))
     wall = law.against_rigid(first)

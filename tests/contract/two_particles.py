@@ -41,7 +41,22 @@ LAWS = {
         "normal_viscosity": 1e-5,
         "shear_viscosity": 2e-5,
     },
+    "linear_rolling": {
+        "normal_stiffness": 2e7,
+        "shear_stiffness": 8e6,
+        "friction_coefficient": 0.4,
+        "rolling_friction": 0.3,
+        "twisting_friction": 0.2,
+        "normal_viscosity": 1e-5,
+        "shear_viscosity": 2e-5,
+    },
     "hertz": {"young_modulus": 5e10, "poisson_ratio": 0.2},
+    "hertz_mindlin": {
+        "young_modulus": 5e10,
+        "poisson_ratio": 0.2,
+        "friction_coefficient": 0.4,
+        "restitution": 0.3,
+    },
     "two_springs": {
         "normal_stiffness": 2e7,
         "shear_stiffness": 8e6,
@@ -61,18 +76,36 @@ LAWS = {
         "friction_coefficient": 0.3,
         "moment_contribution": 0.7,
     },
+    "rotational_bond": {
+        "normal_stiffness": 2e7,
+        "shear_stiffness": 8e6,
+        "twisting_stiffness": 200.0,
+        "bending_stiffness": 300.0,
+        "tensile_strength": 400.0,
+        "shear_strength": 300.0,
+        "twisting_strength": 1.2,
+        "bending_strength": 1.5,
+        "normal_viscosity": 1e-5,
+        "shear_viscosity": 2e-5,
+    },
 }
 """Parameters of every law that let the paths slide and break, and every one of them matter."""
 
 ELASTIC = {
     "friction_coefficient": 1e9,
+    "rolling_friction": 1e9,
+    "twisting_friction": 1e9,
     "tensile_strength": np.inf,
     "cohesion": np.inf,
     "shear_strength": np.inf,
+    "twisting_strength": np.inf,
+    "bending_strength": np.inf,
 }
 """Strengths that no path reaches."""
 
 NOT_LINEAR = {"hertz"}
+SHEAR_FOLLOWS_LOAD = {"hertz_mindlin"}
+"""The shear spring is stiffer the more the two are pressed, and loses some of its energy as that changes."""
 LOSSLESS = {"hertz"}
 """Neither friction nor anything that breaks."""
 

@@ -10,7 +10,8 @@ import pytest
 
 from reference import ours, scenes
 from reference.backends import BACKENDS, Outcome
-from reference.backends.outcome import WARM_UP, BackendError
+from reference.backends.outcome import WARM_UP
+from reference.backends.program import BackendError
 
 RADII = (4e-3, 6e-3)  # [m]
 SPEED = 0.3  # [m/s]
