@@ -191,13 +191,11 @@ def _wall_links(s: ParticleSimulation) -> Links:
     )  # fmt: skip
     if not s.features.shear:
         stiffness[:, 1] = 0.0
-    normal = _wall_normals(s, particle, w.primitive)
+    normal = wall_normals(s, particle, w.primitive)
     return links(particle, RIGID, normal, np.stack([radius, 0.0 * radius], axis=1), *stiffness.T)
 
 
-def _wall_normals(
-    s: ParticleSimulation, particle: NDArray[np.int64], primitive: NDArray[np.uint32]
-) -> Floats:
+def wall_normals(s: ParticleSimulation, particle: NDArray[np.int64], primitive: NDArray[np.uint32]) -> Floats:
     """Normals (w, d) from the particles to their primitives."""
     corners = s.walls.corners_now()[primitive]
     kind = s.walls.kind[primitive]

@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .assembly import Assembly
-from .boundaries.wall_pairs import contact_sum
+from .boundaries.wall_pairs import WallPairs, contact_sum
 from .boundaries.wall_table import set_servo_gains
 from .errors import InputError
 from .kernels import motion
 from .kernels.particle_kernel import Features
-from .laws import BOND_LAWS
 from .laws.convention import CONVENTIONS
 from .neighbors import PairList, bond_pairs, rebuild
 from .particle_layout import finite, wall_parameters
-from .particle_network import current_links
+from .particle_network import current_links, wall_normals
 
 if TYPE_CHECKING:
     from .particle_simulation import ParticleSimulation
@@ -164,8 +164,7 @@ def first_pairs(s: ParticleSimulation) -> PairList:
     assert layout.offset is not None
     distance = np.linalg.norm(a.positions[a.bonds[:, 0]] - a.positions[a.bonds[:, 1]], axis=1)
     histories = np.zeros((len(a.bonds), len(layout.bond) + 1))
-    if not getattr(BOND_LAWS[a.bond_law], "FROM_SURFACES", False):
-        histories[:, -1] = distance - a.radii[a.bonds].sum(axis=1)
+    histories[:, -1] = distance - a.radii[a.bonds].sum(axis=1)
     return bond_pairs(s.now, s.arrays.ids, a.bonds, histories, offset=len(layout.contact), **common)
 
 
@@ -195,6 +194,66 @@ def choose_servo_gains(s: ParticleSimulation) -> None:
         one = float(links.kn.max()) if len(links.kn) else float(s.table[:, 0].max())
         total = contact_sum(s.walls, s.wall_pairs, np.full(len(s.wall_pairs.particle), one))
         set_servo_gains(s.walls, s.assembly.walls, np.maximum(total, one), s.time_step)
+
+
+def hand_over(
+    s: ParticleSimulation, pairs: ArrayLike, wall: str | None, history: Mapping[str, ArrayLike]
+) -> None:
+    """See `ParticleSimulation.hand_over`."""
+    given = np.asarray(pairs, dtype=np.int64)
+    n, ids = s.assembly.particles, s.arrays.ids
+    if len(given) and not 0 <= int(given.min()) <= int(given.max()) < n:
+        raise InputError(
+            "pairs", f"there are particles 0 to {n - 1}", "Give numbers of particles", value=int(given.max())
+        )
+    if wall is None:
+        given = given.reshape(-1, 2)
+        names = _pair_numbers(np.stack([ids[s.pairs.a], ids[s.pairs.b]], axis=1), n)
+        at = _places(names, _pair_numbers(given, n), given)
+        # a force on the other of the two is the opposite one
+        sign = np.where(ids[s.pairs.a[at]] == given[:, 0], 1.0, -1.0)
+    else:
+        w = s.wall_pairs
+        own = np.flatnonzero(s.walls.body[w.primitive] == s.walls.index(wall))
+        at = own[_places(ids[w.particle[own]], given, given)]
+        sign = np.ones(len(at))
+        w.normal[at, : s.dimension] = wall_normals(s, w.particle[at].astype(np.int64), w.primitive[at])
+    listed: PairList | WallPairs = s.pairs if wall is None else s.wall_pairs
+    law, _ = s.features.laws()
+    stored = s.layout.contact
+    for name, values in history.items():
+        columns = [
+            k for k, word in enumerate(stored) if word in (name, f"{name}_x", f"{name}_y", f"{name}_z")
+        ]
+        if name not in (*law.TANGENTIAL, *law.SCALAR, *law.AXIAL) or not columns:
+            known = ", ".join((*law.TANGENTIAL, *law.SCALAR, *law.AXIAL)) or "nothing"
+            raise InputError(name, f"the law {law.NAME!r} does not remember this", f"It remembers {known}")
+        numbers = np.asarray(values, dtype=float).reshape(len(at), len(columns))
+        for column, value in zip(columns, numbers.T, strict=True):
+            listed.history[at, column] = (sign if name in law.TANGENTIAL else 1.0) * value
+    listed.touching[at] = 1
+    s.started = True
+    s.lag = s.time_step
+
+
+def _pair_numbers(pairs: NDArray[np.int64], particles: int) -> NDArray[np.int64]:
+    """One number (k,) for every pair (k, 2), whichever comes first."""
+    return np.asarray(pairs.min(axis=1) * particles + pairs.max(axis=1), dtype=np.int64)
+
+
+def _places(
+    names: NDArray[np.int64], wanted: NDArray[np.int64], given: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Where among `names` the wanted ones are; `given` is for the message."""
+    order = np.argsort(names)
+    place = np.minimum(np.searchsorted(names[order], wanted), max(len(names) - 1, 0))
+    found = names[order][place] == wanted if len(names) else np.zeros(len(wanted), dtype=bool)
+    if not found.all():
+        problem = "these are not near each other"
+        raise InputError(
+            "pairs", problem, "Give what touches", value=given[np.flatnonzero(~found)[0]].tolist()
+        )
+    return np.asarray(order[place])
 
 
 def start_half_a_step_back(s: ParticleSimulation) -> None:

@@ -13,7 +13,7 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ._jit import ThreadPilot, add_compile_seconds
 from .assembly import Assembly
@@ -42,6 +42,7 @@ from .particle_setup import (
     choose_servo_gains,
     choose_time_step,
     first_pairs,
+    hand_over,
     parameter_tables,
     refuse_convention,
     refuse_damping,
@@ -334,6 +335,28 @@ class ParticleSimulation(ParticleReading):
         else:
             self.feel(kernel)
             start_half_a_step_back(self)
+
+    def hand_over(self, pairs: ArrayLike, *, wall: str | None = None, **history: ArrayLike) -> None:
+        """Take over what contacts remember from a motion that is under way, for instance in another code.
+
+        From then on the velocities are those half a step before the positions, whatever the convention, and the motion
+        goes on without a start. Where the contacts were a step ago follows from the velocities.
+
+        Parameters
+        ----------
+        pairs : (k, 2) int
+            Particles of every pair; with `wall` (k,) those that touch it.
+        wall : str, optional
+        history
+            By the names of the contact law's history, as they were at the step before: vectors (k, 3) in 3D and (k,) in
+            2D, such as `shear`, the shear force on the first of the two [N]; scalars (k,).
+
+        Raises
+        ------
+        InputError
+            A name that the law does not remember, or a pair that is not listed as near.
+        """
+        hand_over(self, pairs, wall, history)
 
     def feel(self, kernel: ModuleType) -> None:
         """Let the laws take in what has moved since they were last asked, by a step of no length; bonds hold."""

@@ -278,7 +278,9 @@ def _check_globals(place: str, law: ModuleType, function: Callable[..., Any]) ->
         constant = name.isupper() and isinstance(found, bool | int | float)
         own = isinstance(found, types.FunctionType) and found.__module__ == law.__name__
         if not constant and not own and name not in ("math", "abs"):
-            remedy = "It may use math, abs, its arguments, and numbers in CAPITALS and functions of its own module"
+            remedy = (
+                "It may use math, abs, its arguments, and numbers in CAPITALS and functions of its own module"
+            )
             raise InputError(place, f'uses "{name}"', remedy)
 
 

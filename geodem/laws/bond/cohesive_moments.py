@@ -1,8 +1,8 @@
 """Bond of two grains that carries forces and, by the whole rotation since it was made, moments: YADE's CohFrict.
 
 Stiffness follows from modulus and radii as in `geodem.laws.contact.elastic_frictional`, which goes on where the bond
-breaks. The normal force is that of the overlap of the surfaces, not of the change since the bonding. Moments follow from
-the relative rotation as one vector, so they do not depend on the way to it; they do not break the bond.
+breaks. Moments follow from the relative rotation as one vector, so they do not depend on the way to it; they do not
+break the bond.
 
 References: Bourrier, Kneib, Chareyre & Fourcaud (2013), Ecological Engineering 61:646-657; Smilauer et al. (2021), Yade
 documentation, 3rd ed. (Law2_ScGeom6D_CohFrictPhys_CohesionMoment with fragile bonds, as in its version 2023.02a).
@@ -23,7 +23,6 @@ AXIAL: tuple[str, ...] = ()
 MOMENT = True
 VISCOUS = False
 REPLACES_CONTACT = True
-FROM_SURFACES = True
 
 
 class CohesiveMomentsParameters(NamedTuple):
@@ -179,9 +178,7 @@ def stiffness(
     return normal_stiffness, shear_stiffness, twisting_factor * turning, bending_factor * turning
 
 
-def combine(
-    first: CohesiveMomentsParameters, second: CohesiveMomentsParameters
-) -> CohesiveMomentsParameters:
+def combine(first: CohesiveMomentsParameters, second: CohesiveMomentsParameters) -> CohesiveMomentsParameters:
     """Bond of two materials: both moduli are remembered; smaller strengths, factors in series."""
     return CohesiveMomentsParameters(
         first.young_modulus,

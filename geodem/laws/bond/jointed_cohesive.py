@@ -3,8 +3,8 @@
 Stiffness follows from modulus and radii as in `geodem.laws.contact.elastic_frictional`, which goes on where the bond
 breaks. In the step in which it is cut the bond still bears its strength.
 
-Reference: Scholtes & Donze (2013), A DEM model for soft and hard rocks: role of grain interlocking on strength, J. Mech.
-Phys. Solids 61:352-369.
+Reference: Scholtes & Donze (2013), A DEM model for soft and hard rocks: role of grain interlocking on strength, J.
+Mech. Phys. Solids 61:352-369.
 """
 
 from __future__ import annotations
@@ -104,9 +104,7 @@ def energy(
     return 0.5 * (normal_stiffness * overlap * overlap + squared / shear_stiffness)
 
 
-def stiffness(
-    young_modulus, stiffness_ratio, other_young_modulus, other_stiffness_ratio, radius_a, radius_b
-):
+def stiffness(young_modulus, stiffness_ratio, other_young_modulus, other_stiffness_ratio, radius_a, radius_b):
     """Tangent stiffness kn, ks [N/m], twist, bend [N m/rad]."""
     normal_stiffness, shear_stiffness = springs(
         young_modulus, stiffness_ratio, other_young_modulus, other_stiffness_ratio, radius_a, radius_b
@@ -114,9 +112,7 @@ def stiffness(
     return normal_stiffness, shear_stiffness, 0.0, 0.0
 
 
-def combine(
-    first: JointedCohesiveParameters, second: JointedCohesiveParameters
-) -> JointedCohesiveParameters:
+def combine(first: JointedCohesiveParameters, second: JointedCohesiveParameters) -> JointedCohesiveParameters:
     """Bond of two materials: both moduli are remembered; the smaller strengths count."""
     return JointedCohesiveParameters(
         first.young_modulus,

@@ -1,8 +1,8 @@
 """Linear contact with Coulomb friction whose stiffness follows from the grains' modulus and radii.
 
 Two grains are two springs in a row, each as stiff as E times its radius, so a packing keeps its modulus whatever the
-sizes of its grains. It is the contact of Cundall & Strack (1979), Geotechnique 29:47-65, as YADE gives it its stiffness:
-Smilauer et al. (2021), Yade documentation, 3rd ed., "Simulation of discrete particles".
+sizes of its grains. It is the contact of Cundall & Strack (1979), Geotechnique 29:47-65, as YADE gives it its
+stiffness: Smilauer et al. (2021), Yade documentation, 3rd ed., "Simulation of discrete particles".
 """
 
 from __future__ import annotations
@@ -94,9 +94,7 @@ def energy(
     return 0.5 * (normal_stiffness * overlap * overlap + squared / shear_stiffness)
 
 
-def stiffness(
-    young_modulus, stiffness_ratio, other_young_modulus, other_stiffness_ratio, radius_a, radius_b
-):
+def stiffness(young_modulus, stiffness_ratio, other_young_modulus, other_stiffness_ratio, radius_a, radius_b):
     """Tangent stiffness kn, ks [N/m], twist, bend [N m/rad]."""
     normal_stiffness, shear_stiffness = springs(
         young_modulus, stiffness_ratio, other_young_modulus, other_stiffness_ratio, radius_a, radius_b

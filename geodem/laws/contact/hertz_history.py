@@ -85,9 +85,11 @@ def force(
     return normal, x + drag * slip_x, y + drag * slip_y, z + drag * slip_z, shear_tangent, x, y, z
 
 
-def energy(young_modulus, poisson_ratio, overlap, radius_a, radius_b, stiffness_before, shear_x, shear_y, shear_z):
+def energy(
+    young_modulus, poisson_ratio, overlap, radius_a, radius_b, stiffness_before, shear_x, shear_y, shear_z
+):
     """Energy 8/15 E* sqrt(R* u) u^2 + Fs^2/(2 kt) [J]: of the springs as they are, which no path need have given."""
-    normal_tangent, shear_tangent = tangents(young_modulus, poisson_ratio, overlap, radius_a, radius_b)
+    normal_tangent = tangents(young_modulus, poisson_ratio, overlap, radius_a, radius_b)[0]
     squared = shear_x * shear_x + shear_y * shear_y + shear_z * shear_z
     sheared = 0.5 * squared / stiffness_before if stiffness_before > 0.0 else 0.0
     return 4.0 / 15.0 * normal_tangent * overlap * overlap + sheared
@@ -129,7 +131,9 @@ def against_rigid(parameters: HertzHistoryParameters) -> HertzHistoryParameters:
 
 def check(parameters: HertzHistoryParameters) -> list[Fault]:
     """Parameters out of range: (field, problem, remedy)."""
-    found = faults(parameters, positive=("young_modulus", "restitution"), not_negative=("friction_coefficient",))
+    found = faults(
+        parameters, positive=("young_modulus", "restitution"), not_negative=("friction_coefficient",)
+    )
     bad = {fault.field for fault in found}
     if "poisson_ratio" not in bad and not -1.0 < parameters.poisson_ratio <= 0.5:
         found.append(Fault("poisson_ratio", "must be above -1 and at most 0.5", "Give 0.25, for instance"))

@@ -132,7 +132,11 @@ def against_rigid(parameters: HookeParameters) -> HookeParameters:
 
 def check(parameters: HookeParameters) -> list[Fault]:
     """Parameters out of range: (field, problem, remedy)."""
-    found = faults(parameters, positive=("young_modulus", "restitution", "characteristic_velocity"), not_negative=("friction_coefficient",))
+    found = faults(
+        parameters,
+        positive=("young_modulus", "restitution", "characteristic_velocity"),
+        not_negative=("friction_coefficient",),
+    )
     bad = {fault.field for fault in found}
     if "poisson_ratio" not in bad and not -1.0 < parameters.poisson_ratio <= 0.5:
         found.append(Fault("poisson_ratio", "must be above -1 and at most 0.5", "Give 0.25, for instance"))

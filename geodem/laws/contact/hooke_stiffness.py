@@ -1,8 +1,8 @@
 """Linear contact with dashpots and Coulomb friction on their sum: LIGGGHTS' and LAMMPS' hooke, by given stiffness.
 
-The dashpots' coefficients are given over the effective mass of the two, so light and heavy grains bounce alike. Friction
-is cut by the normal force with its dashpot; where the contact slides the dashpot in shear rests. The normal force may
-pull for a moment before the two part.
+The dashpots' coefficients are given over the effective mass of the two, so light and heavy grains bounce alike.
+Friction is cut by the normal force with its dashpot; where the contact slides the dashpot in shear rests. The normal
+force may pull for a moment before the two part.
 
 References: Silbert et al. (2001), Granular flow down an inclined plane, Phys. Rev. E 64:051302; Kloss et al. (2012),
 Prog. Comput. Fluid Dyn. 12:140-152.
