@@ -16,6 +16,7 @@ from .problems import (
     oscillator,
     published_slopes,
     timestep,
+    trubal,
 )
 from .results_file import store_rows
 
@@ -31,6 +32,7 @@ PROBLEMS: dict[str, ModuleType] = {
     "oscillator": oscillator,
     "slopes": published_slopes,
     "timestep": timestep,
+    "trubal": trubal,
 }
 
 
