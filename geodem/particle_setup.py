@@ -256,40 +256,11 @@ def _places(
     return np.asarray(order[place])
 
 
-def start_half_a_step_back(s: ParticleSimulation) -> None:
-    """Velocities half a step back from those given, so that the motion is of second order from its first step.
+def begin_account(s: ParticleSimulation) -> None:
+    """What was there at the start of the motion; to be called after its first step, whose energies are those.
 
-    To be called after a step of no length, which has found the forces of the given state.
+    Nothing has moved by then, so no work was done: what is stored is given as it is.
     """
-    arrays, d = s.arrays, s.dimension
-    now = s.rows[s.phase]
-    # as given: even a step of no length leaves nothing quite at rest
-    given = s.rows[1 - s.phase]
-    velocity = np.hstack([given[:, s.columns.velocity], given[:, s.columns.spin]])
-    resultant = s.force - s.local_damping * np.abs(s.force) * np.sign(velocity)
-    inverse = np.column_stack([arrays.inverse_mass] * d + [arrays.inverse_inertia] * s.assembly.rotations)
-    rate = np.where(s.assembly.held[arrays.ids], 0.0, resultant * inverse - s.global_damping * velocity)
-    if not s.features.rotation:
-        rate[:, d:] = 0.0
-    if s.local_damping > 0.0:
-        # half a step back from rest is a way backwards, on which local damping would push
-        rate[velocity == 0.0] = 0.0
-    before = velocity - 0.5 * s.time_step * rate
-    now[:, s.columns.velocity] = before[:, :d]
-    now[:, s.columns.spin] = before[:, d:]
-    free = ~s.assembly.held[arrays.ids]
-    both = before * (before + s.time_step * rate) / inverse
-    s.initial_energy = float(0.5 * both[free].sum())
-    if s.features.energy:
-        s.initial_energy += float(s.sums[:, [motion.TOTAL_ELASTIC, motion.ANCHORED]].sum())
-        # the first step counts the work on a way of half a step back, which was never gone
-        back = np.where(free, s.time_step * before, 0.0)
-        weight = s.assembly.gravity / arrays.inverse_mass[:, None]
-        s.sums[0, motion.GRAVITATION] -= float((weight * back[:, :d]).sum())
-        s.sums[0, motion.FORCING] -= float((arrays.applied * back).sum())
-        drag = s.local_damping * np.abs(s.force) * np.sign(before)
-        s.sums[0, motion.DAMPING] -= 0.5 * float((drag * back).sum())
-        # and of the first forces on held freedoms only the half after them
-        reaction = s.force - arrays.applied
-        reaction[:, :d] -= weight
-        s.sums[0, motion.DRIVEN] += 0.5 * float((s.time_step * velocity * reaction)[~free].sum())
+    columns = [motion.KINETIC, motion.TOTAL_ELASTIC, motion.ANCHORED, motion.TOTAL_BROKEN]
+    s.initial_energy = float(s.sums[:, columns].sum())
+    s.sums[:, [motion.TOTAL_FRICTION, motion.TOTAL_VISCOUS]] = 0.0

@@ -38,6 +38,7 @@ from .particle_layout import (
 from .particle_network import critical_time_step
 from .particle_reading import BrokenBonds, Contacts, ParticleReading
 from .particle_setup import (
+    begin_account,
     choose_buffer,
     choose_servo_gains,
     choose_time_step,
@@ -47,7 +48,6 @@ from .particle_setup import (
     refuse_convention,
     refuse_damping,
     scene_features,
-    start_half_a_step_back,
 )
 from .particle_state import restore, state_tree
 
@@ -306,8 +306,9 @@ class ParticleSimulation(ParticleReading):
         if steps < 0:
             raise InputError("steps", "time runs forwards", "Give 0 or more", value=steps)
         kernel = self.kernel(self.features)
-        if steps > 0 and not self.started:
-            self._start(kernel)
+        first = not self.started
+        if steps > 0 and first:
+            self._start()
         self.begin_stage(moving=True)
         left = steps
         while left > 0:
@@ -315,26 +316,25 @@ class ParticleSimulation(ParticleReading):
             if not self.moved + self.carried <= self.buffer:
                 self._look()
             done, _ = self.batch(
-                kernel, min(left, BATCH), self.time_step, 1.0, self.arrays.inverse_mass,
+                kernel, 1 if first else min(left, BATCH), self.time_step, 1.0, self.arrays.inverse_mass,
                 self.arrays.inverse_inertia, self.global_damping, 0.0, _NOTHING,
                 lapse=self.lag or NO_TIME, span=self.span,
             )  # fmt: skip
             self.lag = self.span = self.time_step
             left -= done
+            if first and self.features.energy:
+                begin_account(self)
+            first = False
             if progress is not None:
                 progress(steps - left)
 
-    def _start(self, kernel: ModuleType) -> None:
-        """Begin as the convention does: geodem half a step before the start, by the forces of the given state."""
-        convention = CONVENTIONS[self.features.convention]
+    def _start(self) -> None:
+        """Begin as the convention does: with velocities at the start, on which the first forces act for half a step."""
         self.started = True
-        if convention.HALF_PUSH:
-            self.span = 0.5 * self.time_step
-        elif convention.VELOCITIES_BEFORE:
+        if CONVENTIONS[self.features.convention].VELOCITIES_BEFORE:
             self.lag = self.time_step
         else:
-            self.feel(kernel)
-            start_half_a_step_back(self)
+            self.span = 0.5 * self.time_step
 
     def hand_over(self, pairs: ArrayLike, *, wall: str | None = None, **history: ArrayLike) -> None:
         """Take over what contacts remember from a motion that is under way, for instance in another code.

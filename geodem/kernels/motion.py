@@ -72,8 +72,11 @@ def move(
     """
     space = 3 if SPACE else 2
     turns = 3 if SPACE else 1
-    keep = (1.0 - 0.5 * global_damping * time_step) / (1.0 + 0.5 * global_damping * time_step)
-    push = span / (1.0 + 0.5 * global_damping * time_step)
+    # in the first step forces act for half of it, and nothing has moved before
+    before = 2.0 * span / time_step - 1.0
+    drag_before = 0.5 * global_damping * time_step * before
+    keep = (1.0 - 0.5 * global_damping * time_step) / (1.0 + drag_before)
+    push = span / (1.0 + drag_before)
     fastest = 0.0
     turning = 0.0
     unbalanced = 0.0
@@ -135,16 +138,18 @@ def move(
                     )
                 w = (keep * v if GLOBAL else v) + (push if GLOBAL else span) * (f - drag) * inverse_mass[i]
                 if ENERGY:
-                    mean = 0.5 * (v + w)
-                    kinetic += 0.5 * v * w / inverse_mass[i]
+                    # velocity half a step ago, and the way since then that was gone
+                    u = v - (1.0 - before) * (w - v)
+                    way = 0.5 * (before * v + w) * time_step
+                    kinetic += 0.5 * u * w / inverse_mass[i]
                     if LOCAL:
-                        damped += drag * mean * time_step
+                        damped += drag * way
                     if GLOBAL:
-                        damped += global_damping * mean * mean / inverse_mass[i] * time_step
-                    fallen += weight * v * time_step
-                    forced += given * v * time_step
+                        damped += global_damping * 0.5 * (u + w) * way / inverse_mass[i]
+                    fallen += weight * v * before * time_step
+                    forced += given * v * before * time_step
             elif ENERGY:
-                driven -= (f - weight - given) * v * time_step
+                driven -= (f - weight - given) * v * span
             speed += w * w
             following[i, VELOCITY + axis] = w
             following[i, axis] = now[i, axis] + w * time_step
@@ -177,15 +182,16 @@ def move(
                         f - drag
                     ) * inverse_inertia[i]
                     if ENERGY:
-                        mean = 0.5 * (v + w)
-                        kinetic += 0.5 * v * w / inverse_inertia[i]
+                        u = v - (1.0 - before) * (w - v)
+                        way = 0.5 * (before * v + w) * time_step
+                        kinetic += 0.5 * u * w / inverse_inertia[i]
                         if LOCAL:
-                            damped += drag * mean * time_step
+                            damped += drag * way
                         if GLOBAL:
-                            damped += global_damping * mean * mean / inverse_inertia[i] * time_step
-                        forced += given * v * time_step
+                            damped += global_damping * 0.5 * (u + w) * way / inverse_inertia[i]
+                        forced += given * v * before * time_step
                 elif ENERGY:
-                    driven -= (f - given) * v * time_step
+                    driven -= (f - given) * v * span
                 following[i, SPIN + axis] = w
                 if SLEEP:
                     turning = max(turning, (w * now[i, RADIUS]) ** 2)

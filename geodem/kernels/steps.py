@@ -175,7 +175,7 @@ def advance(
             fastest = max(fastest, sums[chunk, FASTEST])
         moved += 2.0 * fastest * time_step
         if WALLS:
-            gather_wall_forces(wall_start, wall_sums, bodies, time_step)
+            gather_wall_forces(wall_start, wall_sums, bodies, lapse)
             carried += move_walls(bodies, time_step) * time_step
         if RELAX:
             softening = 0.0

@@ -7,8 +7,8 @@ same scene can be computed in theirs, and compared to the last digits.
 
 A convention offers ``NAME``, the constants
 
-- ``VELOCITIES_BEFORE``: velocities at the start are those half a step before it, and the first slip is theirs;
-- ``HALF_PUSH``: the first forces, from velocities at the start, act for half a step on these (velocity Verlet);
+- ``VELOCITIES_BEFORE``: velocities at the start are those half a step before it, and the first slip is theirs; else the
+  first forces act on them for half a step;
 - ``AT_MIDDLE``: local damping looks at the velocity in the middle of the step;
 
 and the scalar functions ``branches``, ``wall_branches``, ``half_turn``, ``spin_about`` and ``transported``.

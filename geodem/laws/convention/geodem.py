@@ -7,7 +7,6 @@ from __future__ import annotations
 
 NAME = "geodem"
 VELOCITIES_BEFORE = False
-HALF_PUSH = False
 AT_MIDDLE = False
 
 

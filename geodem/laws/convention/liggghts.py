@@ -12,7 +12,6 @@ from __future__ import annotations
 
 NAME = "liggghts"
 VELOCITIES_BEFORE = False
-HALF_PUSH = True
 AT_MIDDLE = False
 
 

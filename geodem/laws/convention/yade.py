@@ -14,7 +14,6 @@ import math
 
 NAME = "yade"
 VELOCITIES_BEFORE = True
-HALF_PUSH = False
 AT_MIDDLE = True
 
 

@@ -9,7 +9,6 @@ import math
 
 NAME = "yade-plain"
 VELOCITIES_BEFORE = True
-HALF_PUSH = False
 AT_MIDDLE = True
 
 
