@@ -140,10 +140,6 @@ class PeriodicCell:
         refuse_thin(vectors, self.periodic, float(self.state[columns.CELL_REACH]))
         self._matrix(columns.CELL_VECTORS)[:] = vectors
 
-    def begin(self) -> None:
-        """Before the first step: nothing has moved yet."""
-        self.state[columns.CELL_LAST : columns.CELL_LAST + 9] = 0.0
-
     @property
     def servo(self) -> bool:
         """Whether some component answers to a stress."""

@@ -173,11 +173,11 @@ def control_cell(cell):
             cell[CELL_GRADIENT + 3 * j + i] = rate
 
 
-def move_cell(sums, cell, time_step):
+def move_cell(sums, cell, lapse, time_step):
     """One step of the cell, after the forces and the motion of the particles.
 
-    sums (chunks, 26): of this step; cell (CELL_WIDTH,): changed. Returns how fast the two particles of a near pair may
-    come nearer to each other by the motion of the cell [m/s].
+    sums (chunks, 26): of this step; cell (CELL_WIDTH,): changed; lapse [s]: since the forces before. Returns how fast
+    the two particles of a near pair may come nearer to each other by the motion of the cell [m/s].
     """
     power = 0.0
     for k in range(9):
@@ -187,7 +187,7 @@ def move_cell(sums, cell, time_step):
         # the mean of the old and the new forces on the way of the last step
         power += 0.5 * (cell[CELL_MOMENT + k] + total) * cell[CELL_LAST + k]
         cell[CELL_MOMENT + k] = total
-    cell[CELL_WORK] += power * time_step
+    cell[CELL_WORK] += power * lapse
     # what the particles have just done: x becomes M x
     motion = np.empty(9)
     square = 0.0

@@ -56,7 +56,7 @@ def lattice(vectors: Floats, periodic: tuple[bool, ...]) -> Lattice:
     d = len(periodic)
     full = np.eye(3)
     full[:d, :d] = vectors
-    inverse: Floats = np.linalg.inv(full)
+    inverse: Floats = np.asarray(np.linalg.inv(full), dtype=np.float64)
     slope: Floats = np.sqrt((inverse**2).sum(axis=0))
     for axis in range(3):
         if axis >= d or not periodic[axis]:

@@ -63,7 +63,7 @@ def array(
     if dimension == 2:
         sides = np.array([row, math.sqrt(3.0) * row])
         basis = np.array([(0.0, 0.0), (0.5, 0.5)])
-        count = (cells, cells // 2 + 1)
+        count: tuple[int, ...] = (cells, cells // 2 + 1)
     else:
         wide = row + (gap + OVERLAP) * DIAMETER if gap else row
         sides = np.array([row, wide, 2.0 * math.sqrt(row**2 * 0.75 - 0.25 * wide**2)])

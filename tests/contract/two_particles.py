@@ -118,6 +118,16 @@ ELASTIC = {
 }
 """Strengths that no path reaches."""
 
+OF_OTHER_CODES = {
+    "elastic_frictional",
+    "cohesive_moments",
+    "jointed_cohesive",
+    "hooke_stiffness",
+    "hooke",
+    "hertz_history",
+}
+"""Laws in the conventions of YADE and LIGGGHTS: `test_laws_of_other_codes` says what they promise."""
+
 NOT_LINEAR = {"hertz"}
 SHEAR_FOLLOWS_LOAD = {"hertz_mindlin", "hertz_mindlin_rolling", "hertz_dmt"}
 """The shear spring is stiffer the more the two are pressed, and loses some of its energy as that changes."""
