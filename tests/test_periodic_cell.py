@@ -13,8 +13,12 @@ from geodem.builders.assembly_builder import AssemblyBuilder
 from geodem.builders.packings import lattice
 from geodem.builders.random_packing import random_packing
 from geodem.errors import InputError, InputErrors
+from geodem.io.particle_frames import write_frame
+from geodem.particle_recorder import history_columns, history_values
 from geodem.particle_simulation import ParticleSimulation, Sleep
 from geodem.particle_statics import find_equilibrium
+from geodem.plotting.particles import draw_cell, draw_discs
+from geodem.plotting.theme import new_figure
 
 CONTACT = {"normal_stiffness": 1e6, "shear_stiffness": 5e5, "friction_coefficient": 0.4}
 
@@ -255,6 +259,49 @@ def test_bonds_reach_across_the_cell():
     s.run(steps + 1)
     expected = 6 * len(packing.radii) * 1e6 * 0.02**2 * 1e-5 / (4.0 * s.cell.volume)
     assert np.allclose(s.stress(), expected * np.eye(2), rtol=5e-3, atol=1e-9 * expected)
+
+
+@pytest.fixture
+def bonded_through_a_face():
+    """Two discs on opposite sides of a leaning cell, bonded through the face between them; one is a cell away."""
+    builder = AssemblyBuilder(2, bond_law="two_springs")
+    strong = {"tensile_strength": 1e9, "cohesion": 1e9, "friction_coefficient": 0.4, "width_ratio": 1.0}
+    builder.add_material("m", density=2500.0, contact=CONTACT, bond={**CONTACT, **strong})
+    builder.set_cell([(0.1, 0.0), (0.03, 0.1)])
+    builder.add_particles([(0.01, 0.01), (0.192, 0.01)], 0.01, "m")
+    assert builder.bond_within(1.01).tolist() == [[0, 1]]
+    return ParticleSimulation(builder.build(), time_step=1e-6)
+
+
+def test_frames_hold_wrapped_particles_the_cell_and_contacts_through_its_faces(
+    bonded_through_a_face, tmp_path
+):
+    pyvista = pytest.importorskip("pyvista")
+    particles, contacts, *_ = write_frame(tmp_path, bonded_through_a_face)
+    drawn = pyvista.read(particles)
+    assert np.allclose(drawn.points[:, :2], [(0.01, 0.01), (0.092, 0.01)])
+    assert np.allclose(drawn.field_data["cell edges [m]"], [(0.1, 0.0), (0.03, 0.1)])
+    lines = pyvista.read(contacts)
+    assert np.allclose(lines.points[:, :2], [(0.01, 0.01), (-0.008, 0.01)])
+    assert lines.n_cells == 1
+
+
+def test_pictures_show_the_cell_and_particles_in_it(bonded_through_a_face):
+    figure = new_figure(7.7, 4.0)
+    axes = figure.add_subplot()
+    axes.set_xlim(0.0, 0.14)
+    draw_discs(axes, bonded_through_a_face, np.ones((2, 4)))
+    draw_cell(axes, bonded_through_a_face)
+    assert np.allclose(axes.collections[0].get_offsets(), [(0.01, 0.01), (0.092, 0.01)])
+    corners = {tuple(point) for line in axes.lines for point in np.round(line.get_xydata(), 12)}
+    assert corners == {(0.0, 0.0), (0.1, 0.0), (0.03, 0.1), (0.13, 0.1)}
+    assert len(axes.lines) == 4
+
+
+def test_history_has_stress_and_strain(bonded_through_a_face):
+    names, values = history_columns(bonded_through_a_face), history_values(bonded_through_a_face)
+    assert len(names) == len(values)
+    assert {"stress xy [Pa]", "strain yy [-]"} <= set(names)
 
 
 def test_equilibrium_in_a_cell_that_is_held():
