@@ -11,7 +11,7 @@ from geodem.measure.stress import stress_of_contacts
 
 
 def test_a_pressed_column_has_the_stress_of_its_force_over_its_area():
-    # three blocks of height 2 on an area of 0.5, pressed with 10: one contact between any two, half a branch at each end
+    # three blocks of height 2 on an area of 0.5, pressed with 10: two contacts between them and one at each end
     forces = [(0.0, -10.0), (0.0, -10.0), (0.0, 10.0), (0.0, -10.0)]
     branches = [(0.0, 2.0), (0.0, 2.0), (0.0, -1.0), (0.0, 1.0)]
     stress = stress_of_contacts(forces, branches, 3 * 2.0 * 0.5)
