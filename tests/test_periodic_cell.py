@@ -329,7 +329,8 @@ def test_slab_between_planes():
     builder.add_wall(plane("floor", (0.0, 0.0), (0.0, 1.0)))
     s = ParticleSimulation(builder.build(), local_damping=0.3)
     assert s.pairs.pairs >= 6 * 2 + 6 * 3
-    s.run(6000)
+    # not so long that the columns roll away
+    s.run(1500)
     weight = s.assembly.mass.sum() * 9.81
     assert s.wall_force("floor")[1] == pytest.approx(-weight, rel=1e-3)
     # the mean of the vertical stress in the slab: half the weight on the floor, at every height
