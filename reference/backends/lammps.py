@@ -8,7 +8,7 @@ import tempfile
 from pathlib import Path
 
 from ..scenes import Bonds, Scene
-from .granular_text import COLUMNS, SKIN, last_loop_seconds, read_frames, write_particles
+from .granular_text import COLUMNS, SKIN, last_loop_seconds, read_frames, spheres_of, write_particles
 from .outcome import Outcome, Speed, speed
 from .program import BackendError, clean_environment, refuse, start
 
@@ -46,7 +46,7 @@ def run(scene: Scene, steps: int, *, threads: int = 1, warm_up: int = 0, every: 
         raise refuse("LAMMPS", "its bonds break by another criterion; only unbreakable ones are the same")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        write_particles(folder / "particles.data", scene, types=1, bpm=bonds is not None)
+        write_particles(folder / "particles.data", spheres_of(scene, types=1), bpm=bonds is not None)
         (folder / "scene.in").write_text(_script(scene, steps, warm_up, every))
         command = [str(PROGRAM), "-in", "scene.in"]
         if threads > 1:
