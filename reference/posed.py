@@ -22,7 +22,7 @@ class Memory:
     ----------
     pairs : (k, 2) int
     shear : (k, 3) [N]
-        Elastic shear force on the first of the two; nan where a code keeps the displacement only.
+        Elastic shear force on the first of the two.
     spring : (k, 3) [m] or None
         Elastic tangential displacement of the first against the second, where a code keeps that.
     """
@@ -107,7 +107,7 @@ class PairForces:
     pairs : (m, 2) int
         The lower number first, in ascending order within a frame.
     normal, shear : (m, 3) [N]
-        On the first of the two; nan where a code does not tell them.
+        On the first of the two; the shear force is that of the springs where dashpots act as well.
     along : (m, 3) [-]
         From the first to the second.
     spring : (m, 3) [m] or None

@@ -7,7 +7,7 @@ import numpy as np
 from .posed import Floats, Posed, Trajectory
 
 QUANTITIES = (
-    "positions", "velocities", "spins", "forces", "torques", "pair_shear", "pair_normal", "wall_forces", "broken",
+    "positions", "velocities", "spins", "forces", "torques", "pair_shear", "wall_forces", "broken",
 )  # fmt: skip
 
 ROUNDING = 1e-9
@@ -24,8 +24,8 @@ def differences(one: Trajectory, other: Trajectory, posed: Posed) -> dict[str, f
     for name in posed.quantities:
         if name == "broken":
             found[name] = 0.0 if one.broken == other.broken else np.inf
-        elif name in ("pair_shear", "pair_normal"):
-            found[name] = _pairs_apart(one, other, name.removeprefix("pair_"), posed)
+        elif name == "pair_shear":
+            found[name] = _pairs_apart(one, other)
         else:
             found[name] = _apart(one, other, name, posed)
     return found
@@ -74,14 +74,14 @@ def _ratio(first: Floats, second: Floats, natural: float) -> float:
     return apart / size if apart > 0.0 else 0.0
 
 
-def _pairs_apart(one: Trajectory, other: Trajectory, part: str, posed: Posed) -> float:
+def _pairs_apart(one: Trajectory, other: Trajectory) -> float:
     first, second = one.pair_forces, other.pair_forces
     if first is None or second is None or one.lag != other.lag:
         return np.inf
     if not (np.array_equal(first.frame, second.frame) and np.array_equal(first.pairs, second.pairs)):
         return np.inf
     force = float(np.abs(np.nan_to_num(one.forces)).max(initial=0.0))
-    return _ratio(getattr(first, part), getattr(second, part), force)
+    return _ratio(first.shear, second.shear, force)
 
 
 def good(found: dict[str, float], bound: float) -> bool:

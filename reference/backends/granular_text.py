@@ -36,6 +36,8 @@ class Spheres:
         Corners of the domain.
     bonds : (b, 2) int
         From 0.
+    bond_kind : (b,) int or None
+        Type of every bond, from 1; all of type 1 where it is None.
     """
 
     positions: Floats
@@ -48,6 +50,7 @@ class Spheres:
     low: Floats
     high: Floats
     bonds: NDArray[np.int64]
+    bond_kind: NDArray[np.int64] | None = None
 
 
 def domain(scene: Scene) -> tuple[Floats, Floats]:
@@ -74,12 +77,14 @@ def write_particles(path: Path, spheres: Spheres, *, bpm: bool = False) -> None:
     """Data file; `bpm`: with a molecule number, and with the bonds."""
     n = len(spheres.radii)
     bonds = spheres.bonds + 1 if bpm else np.zeros((0, 2), dtype=np.int64)
+    kinds = np.ones(len(bonds), dtype=np.int64) if spheres.bond_kind is None else spheres.bond_kind
     with path.open("w") as out:
         out.write(f"spheres\n\n{n} atoms\n{spheres.types} atom types\n")
         if bpm:
             most = int(np.bincount(bonds.ravel()).max(initial=0))
             out.write(
-                f"{len(bonds)} bonds\n1 bond types\n{most} extra bond per atom\n{most} extra special per atom\n"
+                f"{len(bonds)} bonds\n{int(kinds.max(initial=1))} bond types\n"
+                f"{most} extra bond per atom\n{most} extra special per atom\n"
             )
         for axis, name in enumerate("xyz"):
             out.write(f"{spheres.low[axis]:.17g} {spheres.high[axis]:.17g} {name}lo {name}hi\n")
@@ -92,7 +97,7 @@ def write_particles(path: Path, spheres: Spheres, *, bpm: bool = False) -> None:
         np.savetxt(out, np.column_stack([number, spheres.velocities, spheres.spins]), "%d" + " %.17g" * 6)
         if len(bonds):
             out.write("\nBonds\n\n")
-            np.savetxt(out, np.column_stack([np.arange(1, len(bonds) + 1), np.ones(len(bonds)), bonds]), "%d")
+            np.savetxt(out, np.column_stack([np.arange(1, len(bonds) + 1), kinds, bonds]), "%d")
 
 
 def read_frames(

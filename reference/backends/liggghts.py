@@ -55,7 +55,9 @@ def run_posed(posed: Sequence[Posed], *, threads: int = 1, timeout: float = TIME
     return found
 
 
-def run(scene: Scene, steps: int, *, threads: int = 1, warm_up: int = 0, every: int = 0) -> Outcome:
+def run(
+    scene: Scene, steps: int, *, threads: int = 1, warm_up: int = 0, every: int = 0, timeout: float = TIMEOUT
+) -> Outcome:
     """`warm_up` steps, then `steps` timed ones on `threads` processes; frames every `every` steps (0: the last).
 
     Raises BackendError where LIGGGHTS is missing or fails, or where its laws cannot stand for the scene.
@@ -71,7 +73,7 @@ def run(scene: Scene, steps: int, *, threads: int = 1, warm_up: int = 0, every: 
         folder = Path(name)
         write_particles(folder / "particles.data", spheres_of(scene, types=2))
         (folder / "scene.in").write_text(_script(scene, steps, warm_up, every, threads))
-        printed = start("LIGGGHTS", _command(threads), folder, clean_environment(), TIMEOUT)
+        printed = start("LIGGGHTS", _command(threads), folder, clean_environment(), timeout)
         first = warm_up + max(every, 1)
         frames = read_frames(folder / "frames.txt", scene.particles, first, printed=printed)
     return Outcome(

@@ -24,7 +24,8 @@ from .verlet import Read, columns_of, held_lines, read_verlet, refuse_half_held
 MODELS = {"hooke_stiffness": "hooke/stiffness", "hooke": "hooke", "hertz_history": "hertz"}
 """Contact law of geodem to LIGGGHTS's model; all with tangential history."""
 
-PAIRS = ("id1", "id2", "periodic", "sx", "sy", "sz")
+PAIRS = 12
+"""Columns of a dump of pairs: two numbers, a sign of periodicity, normal force, tangential force, spring."""
 RIGID = 1e30  # [Pa]
 
 
@@ -171,6 +172,8 @@ def script_of(posed: Posed) -> str:
         "thermo_modify lost error",
     ]
     columns = columns_of([f"f_force_{name}" for name in _wall_names(a)])
+    if steps_of_pairs(posed):
+        lines.append("compute pairs all pair/gran/local id force_normal force_tangential history")
     if posed.first > 1 and posed.every == 1:
         lines.append(f"run {posed.first - 1}")
     lines += [
@@ -179,10 +182,9 @@ def script_of(posed: Posed) -> str:
     ]
     if steps_of_pairs(posed):
         lines += [
-            "compute pairs all pair/gran/local id history",
             f"dump pairs all local {_every_pairs(posed)} pairs.txt "
-            + " ".join(f"c_pairs[{c + 1}]" for c in range(len(PAIRS))),
-            'dump_modify pairs format "%g %g %g %.17g %.17g %.17g"',
+            + " ".join(f"c_pairs[{c + 1}]" for c in range(PAIRS)),
+            'dump_modify pairs format "%g %g %g' + " %.17g" * 9 + '"',
         ]
     lines.append(f"run {posed.steps - (posed.first - 1 if posed.every == 1 else 0)}")
     return "\n".join(line for line in lines if line) + "\n"
@@ -221,12 +223,16 @@ def trajectory_of(posed: Posed, folder: Path, printed: str, version: str) -> Tra
 
 
 def _pairs(posed: Posed, folder: Path, printed: str, read: Read) -> PairForces | None:
-    """Springs of the pairs; forces only where they are the springs' alone."""
+    """Forces and springs of the pairs.
+
+    Normal forces are those that LIGGGHTS makes for output, with its dampers at the velocities of that moment, half a
+    step later than when they acted. Shear forces are the springs' alone but for hertz, whose are made likewise.
+    """
     steps = steps_of_pairs(posed)
     if not steps:
         return None
     a = posed.assembly
-    found = read_local(folder / "pairs.txt", len(PAIRS), steps, printed)
+    found = read_local(folder / "pairs.txt", PAIRS, steps, printed)
     lag, positions = read.lag, read.table[:, :, 0:3]
     first = posed.first - lag
     frame = np.concatenate(
@@ -241,15 +247,10 @@ def _pairs(posed: Posed, folder: Path, printed: str, read: Read) -> PairForces |
     )
     apart = positions[places, pairs[:, 1]] - positions[places, pairs[:, 0]]
     distance = np.sqrt((apart**2).sum(axis=1))[:, None]
-    spring = rows[:, 3:6]
-    shear = np.full_like(spring, np.nan)
-    if a.contact_law == "hooke_stiffness":
-        count = len(a.material_names)
-        column = CONTACT_LAWS[a.contact_law].PARAMETERS._fields.index("shear_stiffness")
-        row = a.material[pairs[:, 0]].astype(int) * count + a.material[pairs[:, 1]]
-        shear = -a.contact_table[row, column][:, None] * spring
+    normal, shear, spring = rows[:, 3:6], rows[:, 6:9], rows[:, 9:12]
+    if a.contact_law != "hertz_history":
+        shear = -_shear_stiffness(a, pairs)[:, None] * spring
     touching = (distance[:, 0] < a.radii[pairs].sum(axis=1)).nonzero()[0]
-    normal = np.full_like(spring, np.nan)
     return sorted_pairs(
         frame[touching],
         pairs[touching],
@@ -258,3 +259,21 @@ def _pairs(posed: Posed, folder: Path, printed: str, read: Read) -> PairForces |
         (apart / distance)[touching],
         spring[touching],
     )
+
+
+def _shear_stiffness(a: Assembly, pairs: Any) -> Any:
+    """Stiffness (k,) [N/m] across the contacts of pairs: the one given, or hooke's own, as documented."""
+    fields = CONTACT_LAWS[a.contact_law].PARAMETERS._fields
+    count = len(a.material_names)
+    first, second = a.material[pairs[:, 0]].astype(int), a.material[pairs[:, 1]].astype(int)
+    rows = a.contact_table[first * count + second]
+    if a.contact_law == "hooke_stiffness":
+        return rows[:, fields.index("shear_stiffness")]
+    own = a.contact_table[np.arange(count) * (count + 1)]
+    softness = (1.0 - own[:, fields.index("poisson_ratio")] ** 2) / own[:, fields.index("young_modulus")]
+    young = 1.0 / (softness[first] + softness[second])
+    radius, mass = a.radii[pairs], a.mass[pairs]
+    root = np.sqrt(radius.prod(axis=1) / radius.sum(axis=1))
+    reduced = mass.prod(axis=1) / mass.sum(axis=1)
+    pace = rows[:, fields.index("characteristic_velocity")]
+    return 16 / 15 * root * young * (15.0 * reduced * pace**2 / (16.0 * root * young)) ** 0.2
