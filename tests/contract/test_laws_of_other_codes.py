@@ -743,10 +743,11 @@ def test_what_a_loop_of_unlike_moments_costs_is_of_the_third_order():
 
 
 STEP = 1e-5
+TWIST = 0.5  # [rad/s]
 
 
 def bonded_pair(law, slip_speed):
-    """Two bonded spheres, both held; b moves across. They touch where they are bonded."""
+    """Two bonded spheres, both held; b moves across and turns about the normal. They touch where they are bonded."""
     builder = AssemblyBuilder(3, contact_law="elastic_frictional", bond_law=law.NAME)
     given = {k: v for k, v in LAWS[law.NAME].items() if not k.startswith("other")}
     contact = {k: given[k] for k in ("young_modulus", "stiffness_ratio", "friction_coefficient")}
@@ -754,7 +755,7 @@ def bonded_pair(law, slip_speed):
     builder.add_particles(
         [[0.0, 0.0, 0.0], [RADIUS_A + RADIUS_B, 0.0, 0.0]], [RADIUS_A, RADIUS_B], "m"
     )  # fmt: skip
-    builder.hold([0, 1], x=0.0, y=[0.0, slip_speed], z=0.0, rotation=0.0)
+    builder.hold([0, 1], x=0.0, y=[0.0, slip_speed], z=0.0, rotation=[[0.0, 0.0, 0.0], [TWIST, 0.0, 0.0]])
     builder.bond([[0, 1]])
     return ParticleSimulation(builder.build(), time_step=STEP)
 
@@ -767,14 +768,18 @@ def test_in_its_last_step_a_jointed_bond_bears_its_strength_and_another_bears_no
     strength = RADIUS_B**2 * (pi * given["cohesion"] if law is jointed_cohesive else given["shear_cohesion"])
     # cut in the fourth step that has a slip; the first has none
     simulation = bonded_pair(law, strength / (3.5 * ks * STEP))
-    forces = []
+    forces, torques = [], []
     for _ in range(7):
         simulation.run(1)
         forces.append(np.linalg.norm(simulation.forces[0, 1]))
+        torques.append(simulation.forces[0, 3])
     last = 3.5 if law is jointed_cohesive else 0.0
     expected = np.array([0.0, 1.0, 2.0, 3.0, last, 0.0, 0.0]) / 3.5
     # going across draws the two a little
     assert np.array(forces) / strength == pytest.approx(expected, rel=0, abs=2e-3)
+    twisted = np.array([0.0, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0]) * TWIST * STEP
+    stiffness = given.get("twisting_factor", 0.0) * RADIUS_A * RADIUS_B * ks
+    assert np.array(torques) == pytest.approx(stiffness * twisted, rel=1e-6, abs=1e-9 * ks * STEP)
     broken = simulation.broken_bonds()
     assert broken.mode.tolist() == [2]
     assert broken.step.tolist() == [4]
