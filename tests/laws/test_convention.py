@@ -380,7 +380,13 @@ def test_without_what_contacts_remember_it_would_not():
         ([[0, 1]], {"overlap": [0.0]}, "overlap", "It remembers shear"),
         ([[0, 6]], {"shear": [[0, 0, 0]]}, "pairs", "not near each other"),
         ([[0, 7]], {"shear": [[0, 0, 0]]}, "pairs", "particles 0 to 6"),
-        ([[-1, 0]], {"shear": [[0, 0, 0]]}, "pairs", "particles 0 to 6"),
+        ([[-1, 0]], {"shear": [[0, 0, 0]]}, "pairs = -1", "particles 0 to 6"),
+        ([[0, 1, 2]], {"shear": [[0, 0, 0]]}, "pairs", "two numbers a pair"),
+        ([[0.5, 1.0]], {"shear": [[0, 0, 0]]}, "pairs", "not numbers of particles"),
+        ([[0, 1]], {"shear": [[0, 0]]}, "shear", "shape"),
+        ([[0, 1]], {"shear": [["a", 0, 0]]}, "shear", "numbers"),
+        ([[0, 1]], {"shear": [[np.nan, 0, 0]]}, "shear", "finite"),
+        ([[0, 1]], {"shear": [[1, 0, 0]], "sheer": [[0, 0, 0]]}, "sheer", "does not remember this"),
     ],
 )
 def test_what_cannot_be_handed_over_is_said(pairs, history, place, words):
@@ -389,6 +395,24 @@ def test_what_cannot_be_handed_over_is_said(pairs, history, place, words):
         simulation.hand_over(pairs, **history)
     assert str(caught.value).startswith(place)
     assert words in str(caught.value)
+    # nothing was taken over, and the motion begins as if nothing had been tried
+    assert not simulation.pairs.history.any()
+    assert not simulation.started
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_first_of_a_pair_is_the_one_that_is_named_first(dimension):
+    """In space a force on it; in the plane a number along the tangent of its own normal, which turns round with it."""
+    for pair, sign in (([0, 1], 1.0), ([1, 0], -1.0 if dimension == 3 else 1.0)):
+        if dimension == 3:
+            places = [[0.0, 0.0, 3 * R], [1.99 * R, 0.0, 3 * R]]
+            simulation = scene(places, np.zeros((2, 3)))
+            simulation.hand_over([pair], shear=[[0.0, 3.0, 0.0]])
+        else:
+            simulation = scene([], [], dimension=2)
+            simulation.hand_over([pair], shear=[3.0])
+        assert simulation.contacts().pairs.tolist() == [[0, 1]]
+        assert simulation.contact_forces()[1][0, 1] == sign * 3.0
 
 
 def test_a_wall_that_does_not_exist_has_nothing_to_hand_over():
