@@ -153,6 +153,34 @@ def test_rows_tell_scene_code_version_and_bound():
     assert rows[0].version.startswith("LIGGGHTS-PUBLIC")
 
 
+@pytest.mark.parametrize(("code", "law"), [("yade", "elastic_frictional"), ("liggghts", "hooke_stiffness")])
+def test_discs_weigh_by_the_metre_in_other_codes(code, law):
+    """Two discs on their way to each other are pressed by v/w at most, w^2 = 2 kn/m, m = pi r^2 rho."""
+    installed(code)
+    _, _, convention = fewbody.OF_CODE[code]
+    contact = {**fewbody.MATERIALS[law][0]} | ({"normal_damping": 0.0} if law == "hooke_stiffness" else {})
+    b = AssemblyBuilder(2, law)
+    b.add_material("a", density=260.0, contact=contact)
+    b.add_particles(
+        [[0.0, 0.0], [0.02002, 0.0]], 0.01, "a", velocity=[[0.1, 0.0], [-0.1, 0.0]], spin=[[3.0], [3.0]]
+    )
+    mass = np.pi * 1e-4 * 260.0
+    wave = np.sqrt(2.0 * 1e5 / mass)
+    time_step = np.pi / wave / 400
+    one = Posed("discs", b.build(), time_step, 700, convention)
+    (run,) = BACKENDS[code].run_posed([one])
+    pressed = 0.02 - (run.positions[:, 1, 0] - run.positions[:, 0, 0])
+    assert pressed.max() == pytest.approx(0.2 / wave, rel=1e-4)
+    # friction takes 2 r m w/2 of spin from both alike: the torque on a disc turns it by m r^2/2
+    assert np.ptp(run.spins[:, 0, 2]) > 0.0
+    np.testing.assert_allclose(run.spins[:, :, :2], 0.0)
+    change = np.diff(run.spins[:, 0, 2])
+    np.testing.assert_allclose(
+        change, run.torques[1:, 0, 2] * time_step / (0.5 * mass * 1e-4), rtol=1e-9, atol=1e-12
+    )
+    np.testing.assert_allclose(run.positions[:, :, 2], 0.0, atol=1e-18)
+
+
 # --- LAMMPS, whose bonds are those of the law rotational_bond ----------------------------------------------
 
 
