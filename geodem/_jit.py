@@ -10,6 +10,7 @@ globals, which numba folds, so that what a scene lacks is not in its machine cod
 from __future__ import annotations
 
 import contextlib
+import gc
 import hashlib
 import importlib
 import importlib.util
@@ -34,11 +35,17 @@ os.environ.setdefault("GOMP_SPINCOUNT", "20000")
 # too: a parallel loop is optimised once by itself and once more in its caller, and the second time sums came out in
 # another order; the process that compiled a kernel ran the first, those that found it in the cache the second. Without
 # it the loops over stress particles take three quarters of the time.
-_OPTIONS = "cache=True, error_model='numpy', fastmath={'afn', 'arcp', 'contract', 'nsz'}"
+_OPTIONS = "error_model='numpy', fastmath={'afn', 'arcp', 'contract', 'nsz'}"
 
 # Everything: for kernels whose tables hold finite numbers only and whose results are tested for finiteness outside.
 # Terms that a scene lacks are zeros here and there, and only "nnan" and "nsz" together let them vanish.
-_FINITE_OPTIONS = "cache=True, error_model='numpy', fastmath=True"
+_FINITE_OPTIONS = "error_model='numpy', fastmath=True"
+
+# Nothing calls a kernel through a C pointer. What only other kernels call needs no way in from Python either, and no
+# place in the cache: its code is in that of its callers. Each way in is a function to be compiled, which is a quarter
+# of the time.
+_CALLED = "cache=True, no_cfunc_wrapper=True"
+_INNER = "no_cpython_wrapper=True, no_cfunc_wrapper=True"
 
 _compile_seconds = 0.0
 
@@ -185,6 +192,7 @@ def kernel_text(
     parallel: bool,
     texts: Sequence[str] = (),
     finite: bool = False,
+    entries: Sequence[Callable[..., Any]] | None = None,
 ) -> str:
     """Source of a kernel module: constants, texts to be inlined, then each function's text, in the order given."""
     options = _FINITE_OPTIONS if finite else _OPTIONS
@@ -192,13 +200,14 @@ def kernel_text(
     lines += ["from numba import njit, prange", ""]
     lines += [f"{name} = {value!r}" for name, value in constants.items()]
     for text in texts:
-        inlined = [f"@njit(forceinline=True, {options})"] if text.startswith("def ") else []
+        inlined = [f"@njit(forceinline=True, {_INNER}, {options})"] if text.startswith("def ") else []
         lines += ["", "", *inlined, text]
     for function in functions:
         source = function_source(function)
         # only loops that ask for it are made parallel: numba warns about any other function
         threads = parallel and "prange(" in source
-        lines += ["", "", f"@njit(parallel={threads}, {options})", source]
+        called = _CALLED if entries is None or function in entries else _INNER
+        lines += ["", "", f"@njit(parallel={threads}, {called}, {options})", source]
     return "\n".join(lines) + "\n"
 
 
@@ -209,6 +218,7 @@ def compile_kernel(
     parallel: bool,
     texts: Sequence[str] = (),
     finite: bool = False,
+    entries: Sequence[Callable[..., Any]] | None = None,
 ) -> ModuleType:
     """Write and import the module that holds `functions` compiled with `constants`.
 
@@ -226,6 +236,8 @@ def compile_kernel(
         statements).
     finite : bool
         The kernel meets finite numbers only, so the compiler need not care for infinities and what is no number.
+    entries : sequence of functions, optional
+        Those of `functions` that Python may call; all, where it is left out. The others compile faster.
 
     Returns
     -------
@@ -236,7 +248,8 @@ def compile_kernel(
 
     start = time.perf_counter()
     _choose_layer()
-    text = kernel_text(functions, constants, parallel, texts, finite)
+    _rest_collector_while_compiling()
+    text = kernel_text(functions, constants, parallel, texts, finite, entries)
     digest = hashlib.sha256(f"{numba.__version__}{text}".encode()).hexdigest()[:24]
     name = f"geodem_kernel_{digest}"
     module = sys.modules.get(name)
@@ -252,6 +265,36 @@ def compile_kernel(
         spec.loader.exec_module(module)
     add_compile_seconds(time.perf_counter() - start)
     return module
+
+
+@cache
+def _rest_collector_while_compiling() -> None:
+    """Let Python's collector of garbage rest while numba compiles.
+
+    numba makes millions of small objects that live as long as the compilation, and looking through them again and
+    again is a fifth of its time.
+    """
+    from numba.core import event
+
+    class Rest(event.Listener):
+        """Compilations are nested: a callee's within its caller's."""
+
+        def __init__(self) -> None:
+            self.depth = 0
+            self.collects = False
+
+        def on_start(self, event: object) -> None:
+            if self.depth == 0:
+                self.collects = gc.isenabled()
+                gc.disable()
+            self.depth += 1
+
+        def on_end(self, event: object) -> None:
+            self.depth -= 1
+            if self.depth == 0 and self.collects:
+                gc.enable()
+
+    event.register("numba:compile", Rest())
 
 
 def _numba_settings() -> Any:

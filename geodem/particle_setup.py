@@ -13,6 +13,7 @@ from .assembly import Assembly
 from .boundaries.cell import PeriodicCell
 from .boundaries.wall_pairs import WallPairs, contact_sum
 from .boundaries.wall_table import set_servo_gains
+from .builders.assembly_checks import as_numbers
 from .errors import InputError
 from .kernels import motion
 from .kernels.particle_kernel import Features
@@ -220,27 +221,24 @@ def hand_over(
     s: ParticleSimulation, pairs: ArrayLike, wall: str | None, history: Mapping[str, ArrayLike]
 ) -> None:
     """See `ParticleSimulation.hand_over`."""
-    given = np.asarray(pairs, dtype=np.int64)
     n, ids = s.assembly.particles, s.arrays.ids
-    if len(given) and not 0 <= int(given.min()) <= int(given.max()) < n:
-        raise InputError(
-            "pairs", f"there are particles 0 to {n - 1}", "Give numbers of particles", value=int(given.max())
-        )
+    given = _particle_numbers(pairs, 2 if wall is None else 1, n)
     if wall is None:
-        given = given.reshape(-1, 2)
         names = _pair_numbers(np.stack([ids[s.pairs.a], ids[s.pairs.b]], axis=1), n)
         at = _places(names, _pair_numbers(given, n), given)
-        # a force on the other of the two is the opposite one
-        sign = np.where(ids[s.pairs.a[at]] == given[:, 0], 1.0, -1.0)
+        # a force on the other of the two is the opposite one; in 2D it is told along a direction that turns round too
+        swapped = ids[s.pairs.a[at]] != given[:, 0]
+        sign = np.where(swapped & (s.dimension == 3), -1.0, 1.0)
     else:
         w = s.wall_pairs
         own = np.flatnonzero(s.walls.body[w.primitive] == s.walls.index(wall))
-        at = own[_places(ids[w.particle[own]], given, given)]
+        at = own[_places(ids[w.particle[own]], given[:, 0], given)]
         sign = np.ones(len(at))
         w.normal[at, : s.dimension] = wall_normals(s, w.particle[at].astype(np.int64), w.primitive[at])
     listed: PairList | WallPairs = s.pairs if wall is None else s.wall_pairs
     law, _ = s.features.laws()
     stored = s.layout.contact
+    found = []
     for name, values in history.items():
         columns = [
             k for k, word in enumerate(stored) if word in (name, f"{name}_x", f"{name}_y", f"{name}_z")
@@ -248,12 +246,31 @@ def hand_over(
         if name not in (*law.TANGENTIAL, *law.SCALAR, *law.AXIAL) or not columns:
             known = ", ".join((*law.TANGENTIAL, *law.SCALAR, *law.AXIAL)) or "nothing"
             raise InputError(name, f"the law {law.NAME!r} does not remember this", f"It remembers {known}")
-        numbers = np.asarray(values, dtype=float).reshape(len(at), len(columns))
-        for column, value in zip(columns, numbers.T, strict=True):
-            listed.history[at, column] = (sign if name in law.TANGENTIAL else 1.0) * value
+        shape = (len(at),) if len(columns) == 1 else (len(at), len(columns))
+        numbers = as_numbers(name, values, shape, "numbers")
+        if not np.isfinite(numbers).all():
+            raise InputError(name, "some of these are not finite", "Give finite numbers in SI units")
+        found.append((columns, numbers.reshape(len(at), -1), name in law.TANGENTIAL))
+    for columns, numbers, turns in found:
+        listed.history[np.ix_(at, np.array(columns))] = (sign[:, None] if turns else 1.0) * numbers
     listed.touching[at] = 1
     s.started = True
     s.lag = s.time_step
+
+
+def _particle_numbers(given: ArrayLike, columns: int, particles: int) -> NDArray[np.int64]:
+    """Particles (k, columns); raises InputError for what is none."""
+    numbers = np.asarray(given)
+    if numbers.size == 0:
+        return np.empty((0, columns), dtype=np.int64)
+    wanted = "two numbers a pair" if columns == 2 else "one number a particle"
+    if numbers.dtype.kind not in "iu" or numbers.ndim != columns or (columns == 2 and numbers.shape[1] != 2):
+        raise InputError("pairs", "these are not numbers of particles", f"Give {wanted}")
+    bad = numbers[(numbers < 0) | (numbers >= particles)]
+    if len(bad):
+        problem = f"there are particles 0 to {particles - 1}"
+        raise InputError("pairs", problem, "Give numbers of particles", value=int(bad[0]))
+    return np.asarray(numbers.reshape(-1, columns), dtype=np.int64)
 
 
 def _pair_numbers(pairs: NDArray[np.int64], particles: int) -> NDArray[np.int64]:

@@ -117,7 +117,12 @@ class Simulation:
             "ENERGY": energy,
             "CHUNK": CHUNK,
         }
-        return compile_kernel(functions, constants, parallel=self.model.particles > SERIAL_LIMIT)
+        return compile_kernel(
+            functions,
+            constants,
+            parallel=self.model.particles > SERIAL_LIMIT,
+            entries=[stress_particles.relax],
+        )
 
     def solve(self, external: Floats, matrix: csr_matrix | None = None) -> ElasticState:
         """The elastic state under forces (n, 2) [N/m], by a direct sparse solve or conjugate gradients."""

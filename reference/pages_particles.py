@@ -49,6 +49,14 @@ GROUPS = (
         "thousand times softer, as in the text (r 20), peaks are 2 % lower. What Rowe measured is only in a figure of "
         "the text and is not drawn.\n\n![Stress ratio against axial strain](pictures/trubal_rowe.png)",
     ),
+    Group(
+        "granular",
+        "Granular flow: columns, silo, hopper",
+        "Trends, with the bounds of trends. Columns of a few thousand grains collapse on a floor of held grains; in 2D "
+        "beside a smooth wall, over three seeds, in 3D all around, over two. Grains fall into a square silo eight "
+        "grains wide, and its floor sinks by one grain, so that friction is mobilised. A box sixteen grains wide "
+        "drains through round holes.\n\n![Run-out, stress with depth, rate of flow](pictures/granular_flow.png)",
+    ),
 )
 
 

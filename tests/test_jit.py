@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import gc
 import importlib.util
 import os
 import re
@@ -10,7 +12,9 @@ import sys
 import tempfile
 from pathlib import Path
 
+import numba
 import pytest
+from numba.core import event
 
 from geodem import _jit
 
@@ -89,6 +93,64 @@ def test_a_second_process_compiles_nothing(cache, tmp_path):
     write(path, 2.0)
     assert run(path).split() == ["20.0", "0", "1"]
     assert run(path).split() == ["20.0", "1", "0"]
+
+
+def test_only_what_python_calls_is_kept_in_the_cache(cache, tmp_path):
+    path = tmp_path / "law.py"
+    write(path, 3.0)
+    law = load(path)
+    functions, constants = [law.pull, law.drive], {"WAVES": False}
+    kernel = _jit.compile_kernel(functions, constants, parallel=False, entries=[law.drive])
+    assert kernel.drive(1.0) == 30.0
+    assert [file.name.split("-")[0] for file in cache.rglob("*.nbc")] == [f"{kernel.__name__}.drive"]
+    whole = _jit.compile_kernel(functions, constants, parallel=False)
+    assert whole.pull(1.0) == 3.0
+
+
+def test_the_collector_works_again_after_a_compilation(cache, tmp_path):
+    path = tmp_path / "law.py"
+    write(path, 8.0)
+    law = load(path)
+    kernel = _jit.compile_kernel([law.pull, law.drive], {"WAVES": False}, parallel=False)
+    assert gc.isenabled()
+    with watched_collector() as runs:
+        kernel.drive(1.0)
+    assert gc.isenabled()
+    assert runs == []
+    with pytest.raises(numba.TypingError):
+        kernel.drive("no number")
+    assert gc.isenabled()
+    gc.disable()
+    try:
+        kernel.drive(2)
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
+
+
+@contextlib.contextmanager
+def watched_collector():
+    """What the collector does while a kernel is being compiled: called from numba's own passes."""
+    runs: list[str] = []
+    compiling: list[int] = []
+
+    class Passes(event.Listener):
+        def on_start(self, event):
+            compiling.append(1)
+
+        def on_end(self, event):
+            compiling.pop()
+
+    def note(phase, info):
+        if compiling and phase == "start":
+            runs.append(phase)
+
+    gc.callbacks.append(note)
+    try:
+        with event.install_listener("numba:run_pass", Passes()):
+            yield runs
+    finally:
+        gc.callbacks.remove(note)
 
 
 def run(path: Path) -> str:

@@ -316,6 +316,7 @@ def range_of_pairs(
             drag_y = 0.0
             drag_z = 0.0
             stored = 0.0
+            lingers = False
             left = 1.0
             held = load_contact(history, p)
             if not REPLACES or number >= 0:
@@ -364,7 +365,14 @@ def range_of_pairs(
                         strength, overlap, approach, slip_x, slip_y, slip_z, radius_a, radius_b, distance,
                         mass_a, mass_b, time_step,
                     )  # fmt: skip
-                if ENERGY:
+                if ENERGY and lingers:
+                    # what the contact goes on with
+                    if touch:
+                        stored = contact_energy(
+                            contact_parameters(table, row), overlap, radius_a, radius_b, distance, mass_a, mass_b,
+                            load_contact(history, p),
+                        )  # fmt: skip
+                elif ENERGY:
                     stored = bond_energy(
                         strength, overlap, radius_a, radius_b, distance, mass_a, mass_b, kept
                     )
@@ -423,9 +431,9 @@ def range_of_pairs(
                     history[p, STORED + 6] = 0.0
                 energy[ELASTIC] += stored
                 energy[VISCOUS] += heat
-                if BONDS and number < 0:
+                if BONDS and (number < 0 or lingers):
                     energy[BROKEN] += lost
-                    record[-number - 1, RELEASED] = lost
+                    record[abs(number) - 1, RELEASED] = lost
                 else:
                     energy[FRICTION] += lost
             i = FREEDOMS * int(local_a[p])

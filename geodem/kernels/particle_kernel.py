@@ -188,6 +188,7 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
         parallel=parallel,
         texts=[*law_functions, *adapters],
         finite=True,
+        entries=[steps.advance],
     )
 
 

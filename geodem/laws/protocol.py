@@ -10,7 +10,6 @@ import ast
 import difflib
 import dis
 import inspect
-import itertools
 import math
 import types
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -191,24 +190,6 @@ def make_parameters(law: ModuleType, given: Mapping[str, float], place: str) -> 
     if found:
         raise found[0] if len(found) == 1 else InputErrors(found)
     return parameters._replace(**values)
-
-
-def parameter_table(law: ModuleType, materials: Sequence[Any]) -> Floats:
-    """Parameters of every pair of materials, (m, m, fields), fields in the order of ``law.PARAMETERS``."""
-    count = len(materials)
-    table = np.empty((count, count, len(law.PARAMETERS._fields)))
-    for i, j in itertools.product(range(count), repeat=2):
-        # always the lower number first: both orders of a pair get the same bits
-        table[i, j] = law.combine(materials[min(i, j)], materials[max(i, j)])
-    return table
-
-
-def wall_table(law: ModuleType, materials: Sequence[Any]) -> Floats:
-    """Parameters of every material against a rigid wall, (m, fields)."""
-    table = np.empty((len(materials), len(law.PARAMETERS._fields)))
-    for row, material in enumerate(materials):
-        table[row] = law.against_rigid(material)
-    return table
 
 
 def check_law(law: ModuleType, kind: Literal["contact", "bond"]) -> None:

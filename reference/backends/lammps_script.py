@@ -108,7 +108,7 @@ def script_of(posed: Posed) -> str:
             lines.append(f"bond_coeff {k + 1} " + " ".join(repr(float(value)) for value in row) + " 0.0" * 4)
         lines.append("dump broken all local 1 broken.txt f_broken[1] f_broken[2] f_broken[3]")
         lines.append('dump_modify broken format line "%g %g %g"')
-    lines.append(f"timestep {posed.time_step!r}")
+    lines.append(f"timestep {float(posed.time_step)!r}")
     if size > 0.0:
         direction = " ".join(repr(float(c)) for c in three(a.gravity) / size)
         lines.append(f"fix fall all gravity {size!r} vector {direction}")

@@ -152,7 +152,7 @@ def script_of(posed: Posed) -> str:
         *_properties(a),
         f"pair_style {model}",
         "pair_coeff * *",
-        f"timestep {posed.time_step!r}",
+        f"timestep {float(posed.time_step)!r}",
     ]
     if size > 0.0:
         direction = " ".join(repr(float(c)) for c in three(a.gravity) / size)

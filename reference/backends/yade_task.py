@@ -63,8 +63,8 @@ def task_of(posed: Posed) -> tuple[dict[str, Any], Arrays]:
         "warm_up": 0,
         "frames": _with_start(posed, posed.frames),
         "pairs_at": _with_start(posed, posed.frames if posed.pairs_at is None else posed.pairs_at),
-        "time_step": posed.time_step,
-        "damping": posed.local_damping,
+        "time_step": float(posed.time_step),
+        "damping": float(posed.local_damping),
         "gravity": three(a.gravity).tolist(),
         "avoid_ratcheting": CONVENTIONS[posed.convention],
     }

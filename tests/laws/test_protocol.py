@@ -18,8 +18,6 @@ from geodem.laws.protocol import (
     history_names,
     in_dimension,
     make_parameters,
-    parameter_table,
-    wall_table,
 )
 
 LINEAR = {"normal_stiffness": 2e6, "shear_stiffness": 1e6, "friction_coefficient": 0.5}
@@ -119,21 +117,6 @@ def test_a_bond_may_be_unbreakable():
     assert make_parameters(parallel, {**given, **strength}, "").tensile_strength == np.inf
     with pytest.raises(InputError, match="finite"):
         make_parameters(parallel, {**given, **strength, "shear_strength": -np.inf}, "")
-
-
-def test_tables_of_pairs_and_of_walls():
-    """Stiffness 2 and 6: 2*2*6/8 = 3 between them, twice their own against a wall; the smaller friction."""
-    soft = make_parameters(linear_frictional, LINEAR, "")
-    hard = make_parameters(
-        linear_frictional, {**LINEAR, "normal_stiffness": 6e6, "friction_coefficient": 0.2}, ""
-    )
-    table = parameter_table(linear_frictional, [soft, hard])
-    assert table.shape == (2, 2, 5)
-    assert np.array_equal(table[0, 0], soft)
-    assert np.array_equal(table[1, 1], hard)
-    assert np.array_equal(table[0, 1], table[1, 0])
-    assert table[0, 1] == pytest.approx([3e6, 1e6, 0.2, 0.0, 0.0], rel=1e-15)
-    assert np.array_equal(wall_table(linear_frictional, [soft, hard])[:, 0], [4e6, 12e6])
 
 
 LAST = "return normal, x, y, z, x, y, z"

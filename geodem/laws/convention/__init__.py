@@ -1,9 +1,10 @@
 """How codes of discrete elements turn the motion of two particles into what a contact law asks for.
 
 The same law gives slightly different motions in different codes: where the slip is measured, how a force that is
-remembered turns with the contact, which velocities are those at the start, at which velocity local damping looks. These
-differences vanish with the time step. geodem has its own convention; those of other codes are here so that one and the
-same scene can be computed in theirs, and compared to the last digits.
+remembered turns with the contact, which velocities are those at the start, at which velocity local damping looks. Most
+of these differences vanish with the time step; two do not: YADE's arms differ by the overlap over the distance, and
+LIGGGHTS does not turn a remembered force about the normal. geodem has its own convention; those of other codes are here
+so that one and the same scene can be computed in theirs, and compared to the last digits.
 
 A convention offers ``NAME``, the constants
 

@@ -1,6 +1,7 @@
 """geodem's own convention: slip at the middle of the overlap, the frame turned to second order in the step.
 
-A rigid motion of the pair is no slip, and what a contact remembers keeps its size and stays across the normal.
+A rigid motion of the pair is no slip at any instant, and over a step none to second order; what a contact remembers
+keeps its size and stays across the normal to that order.
 """
 
 from __future__ import annotations
