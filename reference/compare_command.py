@@ -64,9 +64,10 @@ def main(arguments: argparse.Namespace) -> int:
         # what was compared with other codes before stays
         compared = {row.code for row in rows}
         kept = [row for row in load_rows(f"compare-{arguments.name}") if row["code"] not in compared]
-        path = store_rows(
-            f"compare-{arguments.name}", [*kept, *stored], "python -m reference " + " ".join(sys.argv[1:])
-        )
+        all_rows = [*kept, *stored]
+        every = ",".join(dict.fromkeys(str(row["code"]) for row in all_rows))
+        command = f"python -m reference compare {arguments.name} --with {every}"
+        path = store_rows(f"compare-{arguments.name}", all_rows, command)
         print(f"stored in {path}")
     bad = sum(not row.good for row in rows)
     print(f"{len(rows) - bad} of {len(rows)} within bounds" + ("; not all was compared" if failed else ""))

@@ -34,13 +34,14 @@ class Memory:
 
 @dataclass(frozen=True)
 class State:
-    """Where a code stood before its first frame, as it would begin from there: to be handed over.
+    """Where a code stood one step before its first frame: to be handed over.
 
     Attributes
     ----------
     positions, velocities, spins : (n, 3) [m], [m/s], [rad/s]
-        At the moments at which the code itself takes those of a start.
+        Velocities and spins are those half a step before the positions.
     memory : Memory
+        What the pairs remember of the step that led to these positions.
     """
 
     positions: Floats
@@ -65,8 +66,8 @@ class Posed:
     local_damping : float
         Cundall's coefficient [-].
     first, every : int
-        Frames are recorded of the steps first, first + every, ... up to `steps`. Where first is above 1, the state
-        one step before it is told as well.
+        Frames are recorded of the steps first, first + every, ... up to `steps`. Where first is above 1 (2 with
+        LIGGGHTS), the state one step before it is told as well.
     pairs_at : tuple of int or None
         Those of these steps of which the forces between pairs are recorded, too; all of them where it is None.
     memory : Memory or None
@@ -123,7 +124,13 @@ class PairForces:
 
     def of_frame(self, frame: int) -> PairForces:
         """Those of one frame."""
-        which = self.frame == frame
+        return self._those(self.frame == frame)
+
+    def from_frame(self, frame: int) -> PairForces:
+        """Those of a frame and all later ones."""
+        return self._those(self.frame >= frame)
+
+    def _those(self, which: NDArray[np.bool_]) -> PairForces:
         return PairForces(
             self.frame[which],
             self.pairs[which],
@@ -158,7 +165,7 @@ class Trajectory:
         Bonds, in the order of time; the step is that of the frame in which the break is first seen.
     lag : int
     start : State or None
-        Where it stood one step before the first frame, if that is not the first step.
+        Where it stood one step before the first frame, if that is not the first or second step.
     seconds : float
         Of the whole run, with the start of the program and the reading of its answer; 0 where it was run with others.
     """

@@ -19,7 +19,7 @@ from ..posed import Memory, PairForces, Posed, State, Trajectory, sorted_pairs, 
 from .granular_text import SKIN, read_local
 from .planes import plane_of
 from .program import refuse
-from .verlet import Read, columns_of, held_lines, read_verlet, refuse_half_held
+from .verlet import Read, columns_of, held_lines, read_verlet, refuse_half_held, steps_before
 
 MODELS = {"hooke_stiffness": "hooke/stiffness", "hooke": "hooke", "hertz_history": "hertz"}
 """Contact law of geodem to LIGGGHTS's model; all with tangential history."""
@@ -174,8 +174,9 @@ def script_of(posed: Posed) -> str:
     columns = columns_of([f"f_force_{name}" for name in _wall_names(a)])
     if steps_of_pairs(posed):
         lines.append("compute pairs all pair/gran/local id force_normal force_tangential history")
-    if posed.first > 1 and posed.every == 1:
-        lines.append(f"run {posed.first - 1}")
+    alone = max(posed.first - steps_before(posed), 0) if posed.every == 1 else 0
+    if alone:
+        lines.append(f"run {alone}")
     lines += [
         f"dump frames all custom {posed.every} frames.txt {columns}",
         'dump_modify frames sort id format "%d' + " %.17g" * (len(columns.split()) - 1) + '"',
@@ -186,7 +187,7 @@ def script_of(posed: Posed) -> str:
             + " ".join(f"c_pairs[{c + 1}]" for c in range(PAIRS)),
             'dump_modify pairs format "%g %g %g' + " %.17g" * 9 + '"',
         ]
-    lines.append(f"run {posed.steps - (posed.first - 1 if posed.every == 1 else 0)}")
+    lines.append(f"run {posed.steps - alone}")
     return "\n".join(line for line in lines if line) + "\n"
 
 
@@ -198,14 +199,13 @@ def steps_of_pairs(posed: Posed) -> list[int]:
     """Steps of which pairs are read: one before those of the frames, where all are recorded, and that of the start."""
     wanted = posed.frames if posed.pairs_at is None else posed.pairs_at
     back = 1 if posed.every == 1 else 0
-    return sorted(
-        {*(step - back for step in wanted), *([posed.first - 1] if posed.first > 1 and back else [])}
-    )
+    start = [posed.first - 2] if steps_before(posed) == 2 else []
+    return sorted({*(step - back for step in wanted), *start})
 
 
 def _every_pairs(posed: Posed) -> int:
     """How often pairs are written: seldom, where only those of the start are asked for."""
-    start = posed.first - 1
+    start = posed.first - 2
     return start if steps_of_pairs(posed) == [start] and 2 * start > posed.steps else posed.every
 
 
@@ -214,10 +214,11 @@ def trajectory_of(posed: Posed, folder: Path, printed: str, version: str) -> Tra
     read = read_verlet(posed, folder, printed, [f"f_force_{name}" for name in _wall_names(posed.assembly)])
     pairs = _pairs(posed, folder, printed, read)
     start = None
-    if posed.first > 1 and read.lag and pairs is not None:
-        # its run begins anew there, with the velocities of that moment
-        own, at = pairs.of_frame(0), read.table[0]
-        start = State(at[:, 0:3], at[:, 3:6], at[:, 6:9], Memory(own.pairs, own.shear, own.spring))
+    if read.before == 2 and pairs is not None:
+        own = pairs.of_frame(-1)
+        memory = Memory(own.pairs, own.shear, own.spring)
+        start = State(read.positions[1], read.velocities[1], read.spins[1], memory)
+        pairs = pairs.from_frame(0)
     law = f"gran model {MODELS[posed.assembly.contact_law]} tangential history"
     return replace(read.trajectory, code="liggghts", version=version, law=law, pair_forces=pairs, start=start)
 
@@ -233,8 +234,8 @@ def _pairs(posed: Posed, folder: Path, printed: str, read: Read) -> PairForces |
         return None
     a = posed.assembly
     found = read_local(folder / "pairs.txt", PAIRS, steps, printed)
-    lag, positions = read.lag, read.table[:, :, 0:3]
-    first = posed.first - lag
+    lag, positions = read.lag, read.positions
+    first = posed.first - read.before
     frame = np.concatenate(
         [np.full(len(found[s]), (s + lag - posed.first) // posed.every) for s in steps]
     ).astype(np.int64)

@@ -102,22 +102,35 @@ class Read:
 
     Attributes
     ----------
-    table : (f, n, c)
-        Columns after the number, from one step before the first frame where `lag` is 1.
+    before : int
+        Steps that the file holds before the first frame.
+    positions, velocities, spins : (f, n, 3)
+        Of all that the file holds; velocities and spins half a step back.
     lag : int
     trajectory : Trajectory
     """
 
-    table: Floats
+    before: int
+    positions: Floats
+    velocities: Floats
+    spins: Floats
     lag: int
     trajectory: Trajectory
+
+
+def steps_before(posed: Posed) -> int:
+    """Steps before the first frame that are recorded: one for the forces, one more for what pairs remember there."""
+    if posed.every > 1:
+        return 0
+    return 2 if posed.first > 2 else 1
 
 
 def read_verlet(posed: Posed, folder: Path, printed: str, walls: Sequence[str]) -> Read:
     """Frames of a run. Raises BackendError where they are not all there."""
     a = posed.assembly
     n, lag = a.particles, 1 if posed.every == 1 else 0
-    first = posed.first - lag
+    before = steps_before(posed)
+    first = posed.first - before
     steps = range(first, posed.steps + 1, posed.every)
     table = read_frames(
         folder / "frames.txt", n, first, columns=columns_of(walls), steps=steps, printed=printed
@@ -134,10 +147,10 @@ def read_verlet(posed: Posed, folder: Path, printed: str, walls: Sequence[str]) 
     on_walls = np.zeros((len(table), len(a.walls), 3))
     for place, k in enumerate(owners):
         on_walls[:, k] -= table[:, :, 15 + 3 * place : 18 + 3 * place].sum(axis=1)
-    kept, before = slice(lag, None), slice(0, len(table) - lag)
+    kept, acting = slice(before, None), slice(before - lag, len(table) - lag)
     trajectory = Trajectory(
         code="", version="", law="", steps=np.array(posed.frames),
         positions=positions[kept], velocities=velocities[kept], spins=spins[kept],
-        forces=forces[before], torques=torques[before], wall_forces=on_walls[before], lag=lag,
+        forces=forces[acting], torques=torques[acting], wall_forces=on_walls[acting], lag=lag,
     )  # fmt: skip
-    return Read(table, lag, trajectory)
+    return Read(before, positions, velocities, spins, lag, trajectory)
