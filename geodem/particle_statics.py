@@ -239,7 +239,8 @@ class _Search:
                     solver, age = self._solver(), 0
                 load = s.force.copy()
                 load[solver.held] = 0.0
-                if solves == 0:
+                # what is joined through the faces of a cell floats, and does not turn
+                if solves == 0 and s.cell is None:
                     solver.refuse_floating(load)
                 motion = solver.solve(load, residual=RESIDUAL)
             except InputError:

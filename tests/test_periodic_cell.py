@@ -244,14 +244,20 @@ def test_servo_reaches_its_stress_and_keeps_it(dimension):
     assert s.cell.velocity_gradient[0, 0] == -0.05
 
 
-def test_bonds_reach_across_the_cell():
-    """Hexagonal bonded discs under uniform strain: each bond carries kn d e, with or without images."""
-    packing = lattice("hexagonal", 0.01, cells=(4, 3))
+def bonded_builder(packing):
+    """Strongly bonded discs in the cell of a packing, before they are bonded."""
     builder = AssemblyBuilder(2, bond_law="two_springs")
     strong = {"tensile_strength": 1e9, "cohesion": 1e9, "friction_coefficient": 0.4, "width_ratio": 1.0}
     builder.add_material("m", density=2500.0, contact=CONTACT, bond={**CONTACT, **strong})
     builder.set_cell(packing.box)
     builder.add_particles(packing.positions, packing.radii, "m")
+    return builder
+
+
+def test_bonds_reach_across_the_cell():
+    """Hexagonal bonded discs under uniform strain: each bond carries kn d e, with or without images."""
+    packing = lattice("hexagonal", 0.01, cells=(4, 3))
+    builder = bonded_builder(packing)
     assert len(builder.bond_within(1.01)) == 3 * len(packing.radii)
     s = ParticleSimulation(builder.build())
     steps = 500
@@ -304,17 +310,28 @@ def test_history_has_stress_and_strain(bonded_through_a_face):
     assert {"stress xy [Pa]", "strain yy [-]"} <= set(names)
 
 
-def test_equilibrium_in_a_cell_that_is_held():
-    s = packed(2, count=300)
-    s.set_strain_rate(-1.0)
-    s.run(20)
-    vectors = s.cell.vectors
-    found = find_equilibrium(s, tolerance=1e-6)
-    assert found.reached
-    assert np.array_equal(s.cell.vectors, vectors)
-    assert s.cell.velocity_gradient[0, 0] == -1.0
-    forces = s.forces[:, :2]
-    assert np.sqrt((forces**2).sum(axis=1).mean()) < 1e-5 * s.contact_forces()[0].max()
+def test_equilibrium_in_a_cell_that_is_held_is_the_same_solved_and_relaxed():
+    packing = random_packing(2, radius=0.01, size_ratio=1.5, count=200, seed=1)
+
+    def found(solve):
+        builder = bonded_builder(packing)
+        builder.bond_within(1.03)
+        s = ParticleSimulation(builder.build())
+        rate = 1e-4 / (100 * s.time_step)
+        s.set_strain_rate([[0.0, rate], [0.0, 0.0]])
+        s.run(100)
+        vectors = s.cell.vectors
+        end = find_equilibrium(s, tolerance=1e-8, solve=solve)
+        assert end.reached
+        assert (end.solves > 0) is solve
+        assert np.array_equal(s.cell.vectors, vectors)
+        assert s.cell.velocity_gradient[0, 1] == rate
+        return s.stress()
+
+    solved, relaxed = found(True), found(False)
+    assert np.allclose(solved, relaxed, rtol=1e-5, atol=1e-6 * solved[0, 1])
+    assert solved[0, 1] == pytest.approx(solved[1, 0], rel=1e-6)
+    assert solved[0, 1] > 1.0
 
 
 def test_slab_between_planes():
