@@ -262,6 +262,9 @@ def _plane_figure(s: ParticleReading) -> tuple[Figure, Axes]:
     radii = s.assembly.radii[:, None]
     places = s.seen_positions()
     low, high = (places - radii).min(axis=0), (places + radii).max(axis=0)
+    if s.cell is not None:
+        corners = s.cell.corners()
+        low, high = np.minimum(low, corners.min(axis=0)), np.maximum(high, corners.max(axis=0))
     size = float((high - low).max())
     for kind, points in zip(s.walls.kind, s.walls.corners_now()[:, :, :2], strict=True):
         if kind == 1:
