@@ -23,6 +23,7 @@ from .integrators.network import (
     stiffness_matrix,
 )
 from .kernels.link_products import link_product
+from .laws.protocol import argument_names
 
 if TYPE_CHECKING:
     from .particle_simulation import ParticleSimulation
@@ -131,6 +132,9 @@ def _pair_links(s: ParticleSimulation, *, listed: bool = True) -> Links:
     radius_a, radius_b = radii[first], radii[second]
     contact, bond = s.features.laws()
     sizes = {"radius_a": radius_a, "radius_b": radius_b, "distance": distance}
+    if any(_asks_for_masses(law) for law in (contact, bond) if law is not None):
+        mass = np.ascontiguousarray(now[:, columns.mass])
+        sizes |= {"mass_a": mass[first], "mass_b": mass[second]}
     overlap = radius_a + radius_b - distance
     materials = len(s.assembly.material_names)
     material = now[:, columns.material].astype(np.int64)
@@ -162,6 +166,10 @@ def _pair_links(s: ParticleSimulation, *, listed: bool = True) -> Links:
     return links(first, second, apart, arms, *stiffness.T)
 
 
+def _asks_for_masses(law: ModuleType) -> bool:
+    return bool({"mass_a", "mass_b"} & set(argument_names(law.stiffness)))
+
+
 def _chosen(found: Links, which: NDArray[np.bool_]) -> Links:
     fields: list[Any] = [field[which] for field in found]
     return Links(*fields)
@@ -173,23 +181,21 @@ def _wall_links(s: ParticleSimulation) -> Links:
     particle = w.particle.astype(np.int64)
     if not len(particle):
         return links(np.zeros(0, int), RIGID, np.zeros((0, d)), np.zeros((0, 2)), np.zeros(0))
-    radius = s.now[particle, columns.radius]
+    radius, mass = s.now[particle, columns.radius], s.now[particle, columns.mass]
     material = s.now[particle, columns.material].astype(np.int64)
     row = material * len(s.walls.bodies) + s.walls.body[w.primitive]
     contact, _ = s.features.laws()
     stiffness = law_stiffness(
         contact, d, s.wall_parameters[row], radius_a=radius, radius_b=1e15 * radius, distance=radius,
-        overlap=np.zeros(len(radius)),
+        overlap=np.zeros(len(radius)), mass_a=mass, mass_b=1e15 * mass,
     )  # fmt: skip
     if not s.features.shear:
         stiffness[:, 1] = 0.0
-    normal = _wall_normals(s, particle, w.primitive)
+    normal = wall_normals(s, particle, w.primitive)
     return links(particle, RIGID, normal, np.stack([radius, 0.0 * radius], axis=1), *stiffness.T)
 
 
-def _wall_normals(
-    s: ParticleSimulation, particle: NDArray[np.int64], primitive: NDArray[np.uint32]
-) -> Floats:
+def wall_normals(s: ParticleSimulation, particle: NDArray[np.int64], primitive: NDArray[np.uint32]) -> Floats:
     """Normals (w, d) from the particles to their primitives."""
     corners = s.walls.corners_now()[primitive]
     kind = s.walls.kind[primitive]
@@ -275,9 +281,11 @@ def _alone(s: ParticleSimulation, mass: Floats, inertia: Floats, held: NDArray[n
     lightest = np.flatnonzero(free)[np.argmin(mass[free])]
     for row, factor in rows:
         r = np.array([radius[lightest]])
+        m = np.array([mass[lightest]])
         k = law_stiffness(
-            contact, s.dimension, row[None], radius_a=r, radius_b=r, distance=2 * r, overlap=0.0 * r
-        )[0]
+            contact, s.dimension, row[None], radius_a=r, radius_b=r, distance=2 * r, overlap=0.0 * r,
+            mass_a=m, mass_b=m if factor == 2.0 else 1e15 * m,
+        )[0]  # fmt: skip
         largest = max(largest, factor * k[0] / mass[lightest])
         if s.features.shear:
             turning = 0.0 if held[lightest, s.dimension :].all() else r[0] ** 2 / inertia[lightest]

@@ -129,6 +129,8 @@ class ParticleReading:
     stages: list[tuple[int, float, float]]
     steps: int
     time_step: float
+    lag: float
+    span: float
     local_damping: float
     global_damping: float
     initial_energy: float

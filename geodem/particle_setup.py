@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .assembly import Assembly
-from .boundaries.wall_pairs import contact_sum
+from .boundaries.wall_pairs import WallPairs, contact_sum
 from .boundaries.wall_table import set_servo_gains
 from .errors import InputError
 from .kernels import motion
 from .kernels.particle_kernel import Features
+from .laws.convention import CONVENTIONS
 from .neighbors import PairList, bond_pairs, rebuild
 from .particle_layout import finite, wall_parameters
-from .particle_network import current_links
+from .particle_network import current_links, wall_normals
 
 if TYPE_CHECKING:
     from .particle_simulation import ParticleSimulation
@@ -40,6 +42,29 @@ def refuse_damping(local: float, global_: float, stiffness: float) -> None:
         if not (math.isfinite(value) and 0.0 <= value < most):
             bound = "0 to below 1" if most == 1.0 else "0 or more"
             raise InputError(name, "this damping is out of range", f"Give {bound}", value=value)
+
+
+def refuse_convention(
+    convention: str, dimension: int, energy: bool, global_damping: float, local: float
+) -> None:
+    """Raise InputError for a convention that does not exist, or that cannot stand for the scene."""
+    if convention not in CONVENTIONS:
+        raise InputError(
+            "convention", "there is no such convention", f"Known: {', '.join(CONVENTIONS)}.", value=convention
+        )
+    if convention == "geodem":
+        return
+    reasons = []
+    if dimension == 2:
+        reasons.append(("it is made for spheres", "Give spheres, held in a plane where need be"))
+    if energy:
+        reasons.append(("the energy account is kept in geodem's own", "Leave energy out"))
+    if global_damping > 0.0:
+        reasons.append(("mass-proportional damping is geodem's own", "Leave global_damping out"))
+    if local > 0.0 and not CONVENTIONS[convention].AT_MIDDLE:
+        reasons.append(("that code has no local damping", "Leave local_damping out"))
+    for problem, remedy in reasons:
+        raise InputError("convention", problem, f"{remedy}, or take convention='geodem'", value=convention)
 
 
 def choose_buffer(assembly: Assembly, given: float | None) -> float:
@@ -76,7 +101,7 @@ def parameter_tables(assembly: Assembly, beta: float) -> tuple[Floats, Floats, F
     return contact_table, bond_table, wall_table
 
 
-def scene_features(s: ParticleSimulation, *, energy: bool, orientation: bool) -> Features:
+def scene_features(s: ParticleSimulation, *, energy: bool, orientation: bool, convention: str) -> Features:
     """What the scene of a simulation has, so that nothing else is compiled in."""
     a = s.assembly
     contact, bond = Features(s.dimension, a.contact_law, a.bond_law).laws()
@@ -111,6 +136,7 @@ def scene_features(s: ParticleSimulation, *, energy: bool, orientation: bool) ->
         energy=energy,
         sleep=s.sleep is not None,
         blocked=d == 3 and s.parallel and not energy,
+        convention=convention,
     )
 
 
@@ -170,40 +196,71 @@ def choose_servo_gains(s: ParticleSimulation) -> None:
         set_servo_gains(s.walls, s.assembly.walls, np.maximum(total, one), s.time_step)
 
 
-def start_half_a_step_back(s: ParticleSimulation) -> None:
-    """Velocities half a step back from those given, so that the motion is of second order from its first step.
+def hand_over(
+    s: ParticleSimulation, pairs: ArrayLike, wall: str | None, history: Mapping[str, ArrayLike]
+) -> None:
+    """See `ParticleSimulation.hand_over`."""
+    given = np.asarray(pairs, dtype=np.int64)
+    n, ids = s.assembly.particles, s.arrays.ids
+    if len(given) and not 0 <= int(given.min()) <= int(given.max()) < n:
+        raise InputError(
+            "pairs", f"there are particles 0 to {n - 1}", "Give numbers of particles", value=int(given.max())
+        )
+    if wall is None:
+        given = given.reshape(-1, 2)
+        names = _pair_numbers(np.stack([ids[s.pairs.a], ids[s.pairs.b]], axis=1), n)
+        at = _places(names, _pair_numbers(given, n), given)
+        # a force on the other of the two is the opposite one
+        sign = np.where(ids[s.pairs.a[at]] == given[:, 0], 1.0, -1.0)
+    else:
+        w = s.wall_pairs
+        own = np.flatnonzero(s.walls.body[w.primitive] == s.walls.index(wall))
+        at = own[_places(ids[w.particle[own]], given, given)]
+        sign = np.ones(len(at))
+        w.normal[at, : s.dimension] = wall_normals(s, w.particle[at].astype(np.int64), w.primitive[at])
+    listed: PairList | WallPairs = s.pairs if wall is None else s.wall_pairs
+    law, _ = s.features.laws()
+    stored = s.layout.contact
+    for name, values in history.items():
+        columns = [
+            k for k, word in enumerate(stored) if word in (name, f"{name}_x", f"{name}_y", f"{name}_z")
+        ]
+        if name not in (*law.TANGENTIAL, *law.SCALAR, *law.AXIAL) or not columns:
+            known = ", ".join((*law.TANGENTIAL, *law.SCALAR, *law.AXIAL)) or "nothing"
+            raise InputError(name, f"the law {law.NAME!r} does not remember this", f"It remembers {known}")
+        numbers = np.asarray(values, dtype=float).reshape(len(at), len(columns))
+        for column, value in zip(columns, numbers.T, strict=True):
+            listed.history[at, column] = (sign if name in law.TANGENTIAL else 1.0) * value
+    listed.touching[at] = 1
+    s.started = True
+    s.lag = s.time_step
 
-    To be called after a step of no length, which has found the forces of the given state.
+
+def _pair_numbers(pairs: NDArray[np.int64], particles: int) -> NDArray[np.int64]:
+    """One number (k,) for every pair (k, 2), whichever comes first."""
+    return np.asarray(pairs.min(axis=1) * particles + pairs.max(axis=1), dtype=np.int64)
+
+
+def _places(
+    names: NDArray[np.int64], wanted: NDArray[np.int64], given: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Where among `names` the wanted ones are; `given` is for the message."""
+    order = np.argsort(names)
+    place = np.minimum(np.searchsorted(names[order], wanted), max(len(names) - 1, 0))
+    found = names[order][place] == wanted if len(names) else np.zeros(len(wanted), dtype=bool)
+    if not found.all():
+        problem = "these are not near each other"
+        raise InputError(
+            "pairs", problem, "Give what touches", value=given[np.flatnonzero(~found)[0]].tolist()
+        )
+    return np.asarray(order[place])
+
+
+def begin_account(s: ParticleSimulation) -> None:
+    """What was there at the start of the motion; to be called after its first step, whose energies are those.
+
+    Nothing has moved by then, so no work was done: what is stored is given as it is.
     """
-    arrays, d = s.arrays, s.dimension
-    now = s.rows[s.phase]
-    # as given: even a step of no length leaves nothing quite at rest
-    given = s.rows[1 - s.phase]
-    velocity = np.hstack([given[:, s.columns.velocity], given[:, s.columns.spin]])
-    resultant = s.force - s.local_damping * np.abs(s.force) * np.sign(velocity)
-    inverse = np.column_stack([arrays.inverse_mass] * d + [arrays.inverse_inertia] * s.assembly.rotations)
-    rate = np.where(s.assembly.held[arrays.ids], 0.0, resultant * inverse - s.global_damping * velocity)
-    if not s.features.rotation:
-        rate[:, d:] = 0.0
-    if s.local_damping > 0.0:
-        # half a step back from rest is a way backwards, on which local damping would push
-        rate[velocity == 0.0] = 0.0
-    before = velocity - 0.5 * s.time_step * rate
-    now[:, s.columns.velocity] = before[:, :d]
-    now[:, s.columns.spin] = before[:, d:]
-    free = ~s.assembly.held[arrays.ids]
-    both = before * (before + s.time_step * rate) / inverse
-    s.initial_energy = float(0.5 * both[free].sum())
-    if s.features.energy:
-        s.initial_energy += float(s.sums[:, [motion.TOTAL_ELASTIC, motion.ANCHORED]].sum())
-        # the first step counts the work on a way of half a step back, which was never gone
-        back = np.where(free, s.time_step * before, 0.0)
-        weight = s.assembly.gravity / arrays.inverse_mass[:, None]
-        s.sums[0, motion.GRAVITATION] -= float((weight * back[:, :d]).sum())
-        s.sums[0, motion.FORCING] -= float((arrays.applied * back).sum())
-        drag = s.local_damping * np.abs(s.force) * np.sign(before)
-        s.sums[0, motion.DAMPING] -= 0.5 * float((drag * back).sum())
-        # and of the first forces on held freedoms only the half after them
-        reaction = s.force - arrays.applied
-        reaction[:, :d] -= weight
-        s.sums[0, motion.DRIVEN] += 0.5 * float((s.time_step * velocity * reaction)[~free].sum())
+    columns = [motion.KINETIC, motion.TOTAL_ELASTIC, motion.ANCHORED, motion.TOTAL_BROKEN]
+    s.initial_energy = float(s.sums[:, columns].sum())
+    s.sums[:, [motion.TOTAL_FRICTION, motion.TOTAL_VISCOUS]] = 0.0

@@ -13,7 +13,7 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ._jit import ThreadPilot, add_compile_seconds
 from .assembly import Assembly
@@ -22,6 +22,7 @@ from .boundaries.wall_table import wall_table
 from .errors import InputError
 from .io.particle_checkpoint import read_particles, write_particles
 from .kernels.particle_kernel import Features, compile_particle_kernel
+from .laws.convention import CONVENTIONS
 from .neighbors import find_halo, max_displacement, rebuild, spatial_order
 from .particle_layout import (
     NOTHING_AROUND,
@@ -37,14 +38,16 @@ from .particle_layout import (
 from .particle_network import critical_time_step
 from .particle_reading import BrokenBonds, Contacts, ParticleReading
 from .particle_setup import (
+    begin_account,
     choose_buffer,
     choose_servo_gains,
     choose_time_step,
     first_pairs,
+    hand_over,
     parameter_tables,
+    refuse_convention,
     refuse_damping,
     scene_features,
-    start_half_a_step_back,
 )
 from .particle_state import restore, state_tree
 
@@ -88,11 +91,15 @@ class ParticleSimulation(ParticleReading):
         Skip what is at rest; nothing sleeps where it is left out.
     buffer : float, optional
         Distance of surfaces below which pairs are listed [m].
+    convention : str
+        How motion becomes what the laws ask for, a name in `geodem.laws.convention.CONVENTIONS`; another than
+        geodem's own only to compare with the code of that name.
 
     Raises
     ------
     InputError
-        A time step above the critical one; damping out of range; a servo without contact.
+        A time step above the critical one; damping out of range; a servo without contact; a convention that cannot
+        stand for the scene.
     """
 
     def __init__(
@@ -107,8 +114,10 @@ class ParticleSimulation(ParticleReading):
         orientation: bool | None = None,
         sleep: Sleep | None = None,
         buffer: float | None = None,
+        convention: str = "geodem",
     ) -> None:
         refuse_damping(local_damping, global_damping, stiffness_damping)
+        refuse_convention(convention, assembly.dimension, energy, global_damping, local_damping)
         self.assembly = assembly
         self.dimension = assembly.dimension
         self.columns = Columns(assembly.dimension)
@@ -122,7 +131,7 @@ class ParticleSimulation(ParticleReading):
         tables = parameter_tables(assembly, stiffness_damping)
         self.table, self.bond_table, self.wall_parameters = tables
         orientation = self.dimension == 2 if orientation is None else orientation
-        self.features = scene_features(self, energy=energy, orientation=orientation)
+        self.features = scene_features(self, energy=energy, orientation=orientation, convention=convention)
         self.layout = self.features.layout()
 
         ids = first_order(assembly)
@@ -147,6 +156,7 @@ class ParticleSimulation(ParticleReading):
         self.asleep = np.zeros(chunks, dtype=np.uint8)
         self.quiet = np.zeros(chunks, dtype=np.int64)
         self.started = False
+        self.lag = 0.0
         self.initial_energy = 0.0
         self._ready()
         self.pairs = first_pairs(self)
@@ -158,6 +168,7 @@ class ParticleSimulation(ParticleReading):
         check_servo_contact(self.now, self.walls, assembly.walls)
         self.critical_time_step = critical_time_step(self, local_damping=local_damping)
         self.time_step = choose_time_step(self.critical_time_step, time_step)
+        self.span = self.time_step
         choose_servo_gains(self)
 
     def _ready(self) -> None:
@@ -295,8 +306,9 @@ class ParticleSimulation(ParticleReading):
         if steps < 0:
             raise InputError("steps", "time runs forwards", "Give 0 or more", value=steps)
         kernel = self.kernel(self.features)
-        if steps > 0 and not self.started:
-            self._start(kernel)
+        first = not self.started
+        if steps > 0 and first:
+            self._start()
         self.begin_stage(moving=True)
         left = steps
         while left > 0:
@@ -304,22 +316,56 @@ class ParticleSimulation(ParticleReading):
             if not self.moved + self.carried <= self.buffer:
                 self._look()
             done, _ = self.batch(
-                kernel, min(left, BATCH), self.time_step, 1.0, self.arrays.inverse_mass,
+                kernel, 1 if first else min(left, BATCH), self.time_step, 1.0, self.arrays.inverse_mass,
                 self.arrays.inverse_inertia, self.global_damping, 0.0, _NOTHING,
+                lapse=self.lag or NO_TIME, span=self.span,
             )  # fmt: skip
+            self.lag = self.span = self.time_step
             left -= done
+            if first and self.features.energy:
+                begin_account(self)
+            first = False
             if progress is not None:
                 progress(steps - left)
 
-    def _start(self, kernel: ModuleType) -> None:
-        """Find the forces of the given state by a step of no length, and begin half a step before it."""
+    def _start(self) -> None:
+        """Begin as the convention does: with velocities at the start, on which the first forces act for half a step."""
+        self.started = True
+        if CONVENTIONS[self.features.convention].VELOCITIES_BEFORE:
+            self.lag = self.time_step
+        else:
+            self.span = 0.5 * self.time_step
+
+    def hand_over(self, pairs: ArrayLike, *, wall: str | None = None, **history: ArrayLike) -> None:
+        """Take over what contacts remember from a motion that is under way, for instance in another code.
+
+        From then on the velocities are those half a step before the positions, whatever the convention, and the motion
+        goes on without a start. Where the contacts were a step ago follows from the velocities.
+
+        Parameters
+        ----------
+        pairs : (k, 2) int
+            Particles of every pair; with `wall` (k,) those that touch it.
+        wall : str, optional
+        history
+            By the names of the contact law's history, as they were at the step before: vectors (k, 3) in 3D and (k,) in
+            2D, such as `shear`, the shear force on the first of the two [N]; scalars (k,).
+
+        Raises
+        ------
+        InputError
+            A name that the law does not remember, or a pair that is not listed as near.
+        """
+        hand_over(self, pairs, wall, history)
+
+    def feel(self, kernel: ModuleType) -> None:
+        """Let the laws take in what has moved since they were last asked, by a step of no length; bonds hold."""
         self.batch(
             kernel, 1, NO_TIME, math.inf, self.arrays.inverse_mass, self.arrays.inverse_inertia,
-            self.global_damping, 0.0, _NOTHING,
+            0.0, 0.0, _NOTHING, lapse=self.lag or NO_TIME,
         )  # fmt: skip
         self.steps -= 1
-        self.started = True
-        start_half_a_step_back(self)
+        self.lag = 0.0
 
     def begin_stage(self, *, moving: bool) -> None:
         """Note that from now on steps are true motion, or those of a search for equilibrium: time stands still."""
@@ -338,14 +384,23 @@ class ParticleSimulation(ParticleReading):
         global_damping: float,
         damping_ratio: float,
         old_force: Floats,
+        *,
+        lapse: float | None = None,
+        span: float | None = None,
     ) -> tuple[int, float]:
-        """Up to `steps` steps of a kernel, with a search where one is due; returns steps done and the last damping."""
+        """Up to `steps` steps of a kernel, with a search where one is due; returns steps done and the last damping.
+
+        Of the first step, `lapse` is how long things have moved since the laws were last asked [s], and `span` how long
+        its forces act; the time step where they are left out.
+        """
         if not self.moved + self.carried <= self.buffer:
             self._look()
         known = len(kernel.advance.signatures)
         threads, most = self._pilot.choose() if self.parallel else (1, steps)
         given = (
             min(steps, most),
+            time_step if lapse is None else lapse,
+            time_step if span is None else span,
             time_step,
             breaking,
             inverse_mass,
@@ -371,6 +426,8 @@ class ParticleSimulation(ParticleReading):
     def _arguments(
         self,
         steps: int,
+        lapse: float,
+        span: float,
         time_step: float,
         breaking: float,
         inverse_mass: Floats,
@@ -390,10 +447,10 @@ class ParticleSimulation(ParticleReading):
             rows.applied, rows.held, rows.anchor_of, self.anchors, self.angle,
             w.start, w.particle, w.primitive, w.touching, w.history, w.normal, w.geometry, w.feature,
             t.shape, t.kind, t.body, t.vertex, t.bodies, self.wall_parameters, self.wall_sums,
-            float(time_step), self.steps, float(breaking), float(self.local_damping), float(global_damping),
-            float(damping_ratio), old_force, self.utilisation, self.record, self.sums, self.force, self.halo_force,
-            float(self.moved), float(self.carried), float(self.buffer), self.asleep, self.quiet, around, neighbour,
-            float(sleep.speed), sleep.steps,
+            float(lapse), float(span), float(time_step), self.steps, float(breaking), float(self.local_damping),
+            float(global_damping), float(damping_ratio), old_force, self.utilisation, self.record, self.sums,
+            self.force, self.halo_force, float(self.moved), float(self.carried), float(self.buffer), self.asleep,
+            self.quiet, around, neighbour, float(sleep.speed), sleep.steps,
         )  # fmt: skip
 
     def _unstable(self) -> UnstableError:

@@ -44,7 +44,7 @@ c chunks, d dimensions."""
 
 NUMBERS = (
     "phase", "chunk", "parallel", "buffer", "local_damping", "global_damping", "steps", "searches", "moved", "carried",
-    "started", "initial_energy", "critical_time_step", "time_step", "sorted_share",
+    "started", "lag", "span", "initial_energy", "critical_time_step", "time_step", "sorted_share",
 )  # fmt: skip
 
 

@@ -364,6 +364,9 @@ class _Standstill:
 
     def __enter__(self) -> None:
         s = self.simulation
+        if s.started:
+            # the way of the last step is part of what the contacts remember
+            s.feel(s.kernel(s.features))
         s.order_kept = True
         s.wake_all()
         s.begin_stage(moving=False)

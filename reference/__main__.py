@@ -11,6 +11,7 @@ import sys
 COMMANDS = {
     "list": "reference.list_command",
     "run": "reference.run_command",
+    "compare": "reference.compare_command",
     "bench": "reference.bench_command",
     "limit-equilibrium": "reference.limit_equilibrium_command",
     "pages": "reference.pages",

@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 
 from .bench_command import BENCHMARKS
+from .compare_command import COMPARISONS
 from .run_command import PROBLEMS
 
-HELP = "list the groups of problems and the benchmarks"
+HELP = "list the groups of problems, the comparisons and the benchmarks"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -16,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(arguments: argparse.Namespace) -> int:
     """Print the names."""
-    for word, names in (("run", PROBLEMS), ("bench", BENCHMARKS)):
+    for word, names in (("run", PROBLEMS), ("compare", COMPARISONS), ("bench", BENCHMARKS)):
         for name, module in names.items():
-            print(f"{word:6s} {name:10s} {(module.__doc__ or '').splitlines()[0]}")
+            print(f"{word:7s} {name:14s} {(module.__doc__ or '').splitlines()[0]}")
     return 0

@@ -15,6 +15,7 @@ from pathlib import Path
 from statistics import fmean, median
 from typing import Any
 
+from reference.pages_compare import COMPARED, compared_sections
 from reference.pages_engine import PICTURE as ENGINE_PICTURE
 from reference.pages_engine import SECTIONS, engine_part, write_engine_picture
 from reference.pages_particles import particle_sections
@@ -85,7 +86,7 @@ def write_pages(results: Path = RESULTS, docs: Path = DOCS) -> list[Path]:
     drawn = write_engine_picture(engine["frontier"].rows, docs / ENGINE_PICTURE)
     texts = {
         docs / "verification.md": verification_page(
-            slopes, ground, lambda name: read_results(results / f"{name}.json")
+            slopes, ground, lambda name: read_results(results / f"{name}.json"), _other_comparisons(results)
         ),
         docs / "performance.md": performance_page(slopes) + "\n" + engine_page(engine, picture=drawn),
     }
@@ -125,8 +126,16 @@ def read_results(path: Path) -> Stored:
 # --- pages --------------------------------------------------------------------------------------------------
 
 
-def verification_page(slopes: Stored, ground: Stored, particles: Callable[[str], Stored]) -> str:
-    """Text of docs/verification.md; `particles` reads a file of results by name."""
+def _other_comparisons(results: Path) -> list[str]:
+    """Names of comparisons that were stored and have no text of their own."""
+    found = sorted(path.stem.removeprefix("compare-") for path in results.glob("compare-*.json"))
+    return [name for name in found if name not in [group.name for group in COMPARED]]
+
+
+def verification_page(
+    slopes: Stored, ground: Stored, particles: Callable[[str], Stored], compared: Sequence[str] = ()
+) -> str:
+    """Text of docs/verification.md; `particles` reads a file of results by name, `compared` names further ones."""
     parts = [
         GENERATED,
         "# Verification\n",
@@ -146,6 +155,7 @@ def verification_page(slopes: Stored, ground: Stored, particles: Callable[[str],
     else:
         parts += [_header(ground), _ground(ground.rows)]
     parts += particle_sections(particles, _header, NOT_RUN)
+    parts += compared_sections(particles, _header, NOT_RUN, compared)
     return "\n".join(parts)
 
 

@@ -16,23 +16,37 @@ Integers = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Memory:
-    """What touching pairs and walls remember when the motion begins.
+    """What touching pairs remember.
 
     Attributes
     ----------
     pairs : (k, 2) int
     shear : (k, 3) [N]
         Elastic shear force on the first of the two.
-    along : (k, 3) [-]
-        From the first to the second, of the step that left the shear force.
     spring : (k, 3) [m] or None
-        Elastic tangential displacement of the first against the second, where the law remembers that.
+        Elastic tangential displacement of the first against the second, where a code keeps that.
     """
 
     pairs: Integers
     shear: Floats
-    along: Floats
     spring: Floats | None = None
+
+
+@dataclass(frozen=True)
+class State:
+    """Where a code stood before its first frame, as it would begin from there: to be handed over.
+
+    Attributes
+    ----------
+    positions, velocities, spins : (n, 3) [m], [m/s], [rad/s]
+        At the moments at which the code itself takes those of a start.
+    memory : Memory
+    """
+
+    positions: Floats
+    velocities: Floats
+    spins: Floats
+    memory: Memory
 
 
 @dataclass(frozen=True)
@@ -51,11 +65,12 @@ class Posed:
     local_damping : float
         Cundall's coefficient [-].
     first, every : int
-        Frames are recorded of the steps first, first + every, ... up to `steps`.
+        Frames are recorded of the steps first, first + every, ... up to `steps`. Where first is above 1, the state
+        one step before it is told as well.
     pairs_at : tuple of int or None
         Those of these steps of which the forces between pairs are recorded, too; all of them where it is None.
     memory : Memory or None
-        What is handed over; velocities and spins are then those half a step back in every convention.
+        What the pairs remember at the start, handed over from another code.
     quantities : tuple of str
         Those of `QUANTITIES` that are compared.
     bound : float
@@ -92,7 +107,7 @@ class PairForces:
     pairs : (m, 2) int
         The lower number first, in ascending order within a frame.
     normal, shear : (m, 3) [N]
-        On the first of the two; nan where a code does not tell them.
+        On the first of the two; the shear force is that of the springs where dashpots act as well.
     along : (m, 3) [-]
         From the first to the second.
     spring : (m, 3) [m] or None
@@ -109,9 +124,13 @@ class PairForces:
     def of_frame(self, frame: int) -> PairForces:
         """Those of one frame."""
         which = self.frame == frame
-        parts = (self.frame, self.pairs, self.normal, self.shear, self.along)
         return PairForces(
-            *(part[which] for part in parts), None if self.spring is None else self.spring[which]
+            self.frame[which],
+            self.pairs[which],
+            self.normal[which],
+            self.shear[which],
+            self.along[which],
+            None if self.spring is None else self.spring[which],
         )
 
 
@@ -138,6 +157,8 @@ class Trajectory:
     broken : tuple of (first, second, step)
         Bonds, in the order of time; the step is that of the frame in which the break is first seen.
     lag : int
+    start : State or None
+        Where it stood one step before the first frame, if that is not the first step.
     seconds : float
         Of the whole run, with the start of the program and the reading of its answer; 0 where it was run with others.
     """
@@ -156,85 +177,8 @@ class Trajectory:
     wall_forces: Floats | None = None
     broken: tuple[tuple[int, int, int], ...] = ()
     lag: int = 1
+    start: State | None = None
     seconds: float = field(default=0.0, compare=False)
-
-
-QUANTITIES = (
-    "positions", "velocities", "spins", "forces", "torques", "pair_shear", "pair_normal", "wall_forces", "broken",
-)  # fmt: skip
-
-ROUNDING = 1e-9
-"""Share of its natural size up to which a quantity counts as zero: spins beside speed over radius, and the like."""
-
-
-def differences(one: Trajectory, other: Trajectory, posed: Posed) -> dict[str, float]:
-    """Largest |difference| over largest |value|, over all frames, of each quantity that is posed to be compared.
-
-    A quantity that is zero but for rounding is held against its natural size. The difference is infinite where the
-    two do not speak of the same steps, pairs or broken bonds, and where a number is not finite.
-    """
-    found = {}
-    for name in posed.quantities:
-        if name == "broken":
-            found[name] = 0.0 if one.broken == other.broken else np.inf
-        elif name in ("pair_shear", "pair_normal"):
-            found[name] = _pairs_apart(one, other, name.removeprefix("pair_"), posed)
-        else:
-            found[name] = _apart(one, other, name, posed)
-    return found
-
-
-def _apart(one: Trajectory, other: Trajectory, name: str, posed: Posed) -> float:
-    first, second = getattr(one, name), getattr(other, name)
-    if not np.array_equal(one.steps, other.steps) or first is None or second is None:
-        return np.inf
-    if name not in ("positions", "velocities", "spins") and one.lag != other.lag:
-        return np.inf
-    if first.shape != second.shape:
-        return np.inf
-    if name in ("forces", "torques"):
-        # a code that holds a freedom need not tell what holds it
-        held = posed.assembly.held
-        d = posed.assembly.dimension
-        free = np.ones(first.shape[1:], dtype=bool)
-        part = held[:, :d] if name == "forces" else held[:, d:]
-        axes = part.shape[1]
-        free[:, :axes] = ~part
-        if name == "torques" and axes == 1:
-            free[:] = ~part
-        first, second = np.where(free, first, 0.0), np.where(free, second, 0.0)
-    return _ratio(first, second, _natural(one, name, posed))
-
-
-def _natural(one: Trajectory, name: str, posed: Posed) -> float:
-    """Size that a quantity would have if it mattered."""
-    radius = float(posed.assembly.radii.max())
-    speed, force = float(np.abs(one.velocities).max()), float(np.abs(np.nan_to_num(one.forces)).max())
-    return {
-        "spins": speed / radius,
-        "torques": force * radius,
-        "velocities": radius / posed.time_step * 1e-6,
-    }.get(name, force if name != "positions" else radius)
-
-
-def _ratio(first: Floats, second: Floats, natural: float) -> float:
-    if not (np.isfinite(first).all() and np.isfinite(second).all()):
-        return np.inf
-    size = max(float(np.abs(first).max(initial=0.0)), float(np.abs(second).max(initial=0.0)))
-    apart = float(np.abs(first - second).max(initial=0.0))
-    if size <= ROUNDING * natural:
-        size = natural
-    return apart / size if apart > 0.0 else 0.0
-
-
-def _pairs_apart(one: Trajectory, other: Trajectory, part: str, posed: Posed) -> float:
-    first, second = one.pair_forces, other.pair_forces
-    if first is None or second is None or one.lag != other.lag:
-        return np.inf
-    if not (np.array_equal(first.frame, second.frame) and np.array_equal(first.pairs, second.pairs)):
-        return np.inf
-    force = float(np.abs(np.nan_to_num(one.forces)).max(initial=0.0))
-    return _ratio(getattr(first, part), getattr(second, part), force)
 
 
 def three(values: Floats) -> Floats:
@@ -251,11 +195,6 @@ def about_z(values: Floats) -> Floats:
     return np.concatenate([np.zeros((*values.shape[:-1], 2)), values], axis=-1)
 
 
-def good(found: dict[str, float], bound: float) -> bool:
-    """Whether something was compared and nothing differs by more than the bound."""
-    return bool(found) and all(value <= bound for value in found.values())
-
-
 def sorted_pairs(
     frame: Sequence[int] | Integers,
     pairs: Integers,
@@ -270,6 +209,9 @@ def sorted_pairs(
     pairs = np.sort(pairs, axis=1)
     frames = np.asarray(frame, dtype=np.int64)
     order = np.lexsort((pairs[:, 1], pairs[:, 0], frames))
-    vectors = [(np.asarray(each).reshape(-1, 3) * sign)[order] for each in (normal, shear, along)]
-    remembered = None if spring is None else (np.asarray(spring).reshape(-1, 3) * sign)[order]
-    return PairForces(frames[order], pairs[order], *vectors, remembered)
+
+    def placed(values: Floats) -> Floats:
+        return np.asarray((np.asarray(values).reshape(-1, 3) * sign)[order])
+
+    remembered = None if spring is None else placed(spring)
+    return PairForces(frames[order], pairs[order], placed(normal), placed(shear), placed(along), remembered)

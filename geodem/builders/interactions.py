@@ -127,7 +127,10 @@ class Materials:
             if changed:
                 place = f"{kind} of {first!r} and {second!r}"
                 parameters = make_parameters(law, parameters._asdict() | changed, place)
-            table[i, j] = table[j, i] = parameters
+            table[i, j] = parameters
+            # a law that knows which of the two is which
+            turned = getattr(law, "reversed_pair", None)
+            table[j, i] = parameters if turned is None else turned(parameters)
         return table.reshape(len(names) ** 2, -1)
 
     def against_wall(self, wall: Wall) -> Wall:

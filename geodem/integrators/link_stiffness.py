@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 COMPILED_FROM = 20_000
 """Links from which on the law is compiled into a loop: fewer are done before a compiler has looked at it."""
 
-SIZES = ("radius_a", "radius_b", "distance", "overlap")
+SIZES = ("radius_a", "radius_b", "distance", "overlap", "mass_a", "mass_b")
 
 
 def law_stiffness(
@@ -28,6 +28,8 @@ def law_stiffness(
     radius_b: Floats,
     distance: Floats,
     overlap: Floats,
+    mass_a: Floats | None = None,
+    mass_b: Floats | None = None,
 ) -> Floats:
     """kn, ks [N/m], k_twist, k_bend [N m/rad] of every link (p, 4).
 
@@ -40,10 +42,17 @@ def law_stiffness(
     parameters : (p, k) or (1, k)
         In the order of ``law.PARAMETERS``; one row for all links that are alike.
     radius_a, radius_b, distance, overlap : (p,) [m]
+    mass_a, mass_b : (p,) [kg], optional
+        Only some laws ask for them.
     """
     parameters = np.asarray(parameters, dtype=np.float64)
-    sizes = [np.asarray(values, dtype=np.float64) for values in (radius_a, radius_b, distance, overlap)]
+    # a law that does not ask for masses is given something of the right length
+    given = (radius_a, radius_b, distance, overlap, radius_a if mass_a is None else mass_a,
+             radius_b if mass_b is None else mass_b)  # fmt: skip
+    sizes = [np.asarray(values, dtype=np.float64) for values in given]
     count = len(sizes[0])
+    if mass_a is None or mass_b is None:
+        assert not {"mass_a", "mass_b"} & set(argument_names(law.stiffness)), f"{law.NAME} asks for masses"
     if count >= COMPILED_FROM:
         found = np.empty((count, 4))
         _kernel(law, dimension).of_links(

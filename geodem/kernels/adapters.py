@@ -13,12 +13,14 @@ from collections.abc import Sequence
 from types import ModuleType
 from typing import NamedTuple
 
-from ..laws.protocol import argument_names, history_arguments, history_names, sources
+from ..laws.convention import FUNCTIONS as CONVENTION_FUNCTIONS
+from ..laws.protocol import IN_SPACE, argument_names, history_arguments, history_names, sources
 from .blocks import BESIDE_AFTER, BESIDE_SLOT, HISTORY_SLOT
 
 FORWARD = ("overlap", "approach", "slip_x", "slip_y", "slip_z", "twist", "bend_x", "bend_y", "bend_z")
 SIZES = ("radius_a", "radius_b", "distance")
-BODIES = ("mass_a", "mass_b", "time_step")
+MASSES = ("mass_a", "mass_b")
+BODIES = (*MASSES, "time_step")
 AXES = ("x", "y", "z")
 
 
@@ -112,6 +114,7 @@ def _call(
     places = {field: f"parameters[{k}]" for k, field in enumerate(fields)}
     places |= {value: f"history[{k}]" for k, value in enumerate(history)}
     places |= {value: value for value in menu}
+    places |= {value: f"space[{k}]" for k, value in enumerate(IN_SPACE)}
     wanted = argument_names(getattr(law, name))
     # a component that the dimension lacks is zero and not stored
     arguments = [places.get(argument, "0.0") for argument in wanted]
@@ -158,34 +161,17 @@ def _lane(name: str, history: Sequence[str], first: int, *, beside: bool = False
 
 
 def _transport(name: str, law: ModuleType, history: Sequence[str], dimension: int) -> str:
-    """Turn the tangential vectors with the contact's frame (3D), to second order in the step.
-
-    With h half the change of n and w the mean spin about n times the step: s' = s - (s.n)(n - h), then
-    (1 - w^2/2) s' + w n x s'.
-    """
+    """Turn the tangential vectors with the contact's frame (3D), as the convention does."""
     arguments = ["values", "nx", "ny", "nz", "turn_x", "turn_y", "turn_z", "spin"]
     lines: list[str] = []
     result = {value: f"values[{k}]" for k, value in enumerate(history)}
     for vector in law.TANGENTIAL if dimension == 3 else ():
         if f"{vector}_x" not in result:
             continue
-        x, y, z = (f"{vector}_{axis}" for axis in AXES)
-        lines += [
-            f"{x} = {result[x]}",
-            f"{y} = {result[y]}",
-            f"{z} = {result[z]}",
-            f"out = {x} * nx + {y} * ny + {z} * nz",
-            f"{x} -= out * (nx - turn_x)",
-            f"{y} -= out * (ny - turn_y)",
-            f"{z} -= out * (nz - turn_z)",
-            "keep = 1.0 - 0.5 * spin * spin",
-            f"turned_x = keep * {x} + spin * (ny * {z} - nz * {y})",
-            f"turned_y = keep * {y} + spin * (nz * {x} - nx * {z})",
-            f"{z} = keep * {z} + spin * (nx * {y} - ny * {x})",
-            f"{x} = turned_x",
-            f"{y} = turned_y",
-        ]
-        result |= {x: x, y: y, z: z}
+        names = [f"{vector}_{axis}" for axis in AXES]
+        given = ", ".join([*(result[name] for name in names), *arguments[1:]])
+        lines.append(f"{', '.join(names)} = transported({given})")
+        result |= {name: name for name in names}
     return _function(
         f"transport_{name}", arguments, [*lines, f"return {_tuple([result[v] for v in history])}"]
     )
@@ -203,7 +189,7 @@ def _law_adapter(
     values = [*forces, *(moments if law.MOMENT else ["0.0"] * 4)]
     values += [_tuple([f"new_{value}" for value in history]), *extra]
     lines.append(f"return {', '.join(values)}")
-    return _function(name, ["parameters", *menu, "history"], lines)
+    return _function(name, ["parameters", *menu, "space", "history"], lines)
 
 
 def _parameters_adapter(name: str, law: ModuleType) -> str:
@@ -236,11 +222,11 @@ def contact_adapters(
     call = _call(law, "viscous", prefix, fields, (), menu) if viscous else quiet
     rates = ("overlap", "approach", "slip_x", "slip_y", "slip_z", *SIZES, *BODIES)
     adapters.append(_function(f"{name}_viscous", ["parameters", *rates], [f"return {call}"]))
-    energy = _call(law, "energy", prefix, fields, history, ("overlap", *SIZES))
+    energy = _call(law, "energy", prefix, fields, history, ("overlap", *SIZES, *MASSES))
     adapters.append(
         _function(
             f"{name}_energy",
-            ["parameters", "overlap", "radius_a", "radius_b", "distance", "history"],
+            ["parameters", "overlap", *SIZES, *MASSES, "history"],
             [f"return {energy}"],
         )
     )
@@ -279,11 +265,11 @@ def bond_adapters(
     call = _call(law, "viscous", "bond_law", fields, (), menu) if viscous else "0.0, 0.0, 0.0, 0.0"
     rates = ("overlap", "approach", "slip_x", "slip_y", "slip_z", *SIZES, *BODIES)
     adapters.append(_function("bond_viscous", ["parameters", *rates], [f"return {call}"]))
-    energy = _call(law, "energy", "bond_law", fields, history, ("overlap", *SIZES))
+    energy = _call(law, "energy", "bond_law", fields, history, ("overlap", *SIZES, *MASSES))
     adapters.append(
         _function(
             "bond_energy",
-            ["parameters", "overlap", "radius_a", "radius_b", "distance", "history"],
+            ["parameters", "overlap", *SIZES, *MASSES, "history"],
             [f"return {energy}"],
         )
     )
@@ -291,6 +277,11 @@ def bond_adapters(
     adapters += _lane("bond", history, len(layout.contact))
     adapters.append(_transport("bond", law, history, dimension))
     return law_text(law, wanted, "bond_law"), adapters
+
+
+def convention_texts(convention: ModuleType) -> list[str]:
+    """Texts of a convention's functions, callees first."""
+    return list(sources(convention, CONVENTION_FUNCTIONS).values())
 
 
 def no_bond_adapters() -> list[str]:

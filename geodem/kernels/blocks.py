@@ -37,6 +37,7 @@ ASKS_RADII = True  # a law asks for radii, for masses, for the approach
 ASKS_MASS = True
 ASKS_APPROACH = True
 OFFSET = 0
+IN_SPACE = 0.0  # no law that is computed in blocks asks for it
 
 LANES = 64
 """Pairs in a block: large enough to pay for its three loops, small enough for the first cache."""
@@ -247,7 +248,7 @@ def contact_block(block, table, row, time_step):
         step_in = overlap if ASKS_APPROACH and block[PRESSED + lane] != 0.0 else approach
         normal, shear_x, shear_y, shear_z, twisting, bending_x, bending_y, bending_z, held = contact(
             parameters, overlap, step_in, left * slip_x, left * slip_y, left * slip_z, twist, bend_x, bend_y, bend_z,
-            radius_a, radius_b, distance, mass_a, mass_b, time_step, held,
+            radius_a, radius_b, distance, mass_a, mass_b, time_step, IN_SPACE, held,
         )  # fmt: skip
         store_contact_lane(block, lane, held)
         if VISCOUS_CONTACT:
@@ -294,7 +295,7 @@ def bond_block(block, table, bond_table, row, time_step):
             normal, shear_x, shear_y, shear_z, twisting, bending_x, bending_y, bending_z, kept, tension, cut,
         ) = bond(
             parameters, overlap, approach, slip_x, slip_y, slip_z, twist, bend_x, bend_y, bend_z,
-            radius_a, radius_b, distance, mass_a, mass_b, time_step, block[SCALE + lane], kept,
+            radius_a, radius_b, distance, mass_a, mass_b, time_step, block[SCALE + lane], IN_SPACE, kept,
         )  # fmt: skip
         normal_c = 0.0
         shear_cx = 0.0
@@ -313,7 +314,7 @@ def bond_block(block, table, bond_table, row, time_step):
                 normal_c, shear_cx, shear_cy, shear_cz, twisting_c, bending_cx, bending_cy, bending_cz, held,
             ) = contact(
                 settings, overlap, approach, slip_x, slip_y, slip_z, twist, bend_x, bend_y, bend_z,
-                radius_a, radius_b, distance, mass_a, mass_b, time_step, held,
+                radius_a, radius_b, distance, mass_a, mass_b, time_step, IN_SPACE, held,
             )  # fmt: skip
             held = contact_where(touch, held)
             if VISCOUS_CONTACT:

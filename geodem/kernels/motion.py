@@ -21,6 +21,7 @@ APPLIED = True
 HELD = True
 ANCHORS = True
 LOCAL = True
+AT_MIDDLE = False  # local damping looks at the velocity in the middle of the step
 GLOBAL = True
 RELAX = True
 ENERGY = True
@@ -60,19 +61,22 @@ def direction(velocity):
 
 def move(
     base, size, now, following, force, inverse_mass, inverse_inertia, gravity, applied, held, anchor_of, anchors,
-    angle, time_step, local_damping, global_damping, old_force, sums,
+    angle, span, time_step, local_damping, global_damping, old_force, sums,
 ):  # fmt: skip
     """Move the `size` particles from `base` one step; now, following (n, 8 or 12): rows before and after.
 
     force (size, 3 or 6) [N, N m]: of contacts and walls; the resultant is left in it. inverse_mass,
     inverse_inertia (n,); gravity (d,); applied (n, 3 or 6); held (n,) uint8: bit k holds freedom k; anchor_of (n,)
     int32: row of anchors (k, d + 2) or -1; angle (n, 1 or 4): angle or quaternion; old_force (n, 3 or 6) [N, N m],
-    updated where RELAX; sums (17,), see the columns above.
+    updated where RELAX; span [s]: how long the forces act on the velocities; sums (17,), see the columns above.
     """
     space = 3 if SPACE else 2
     turns = 3 if SPACE else 1
-    keep = (1.0 - 0.5 * global_damping * time_step) / (1.0 + 0.5 * global_damping * time_step)
-    push = time_step / (1.0 + 0.5 * global_damping * time_step)
+    # in the first step forces act for half of it, and nothing has moved before
+    before = 2.0 * span / time_step - 1.0
+    drag_before = 0.5 * global_damping * time_step * before
+    keep = (1.0 - 0.5 * global_damping * time_step) / (1.0 + drag_before)
+    push = span / (1.0 + drag_before)
     fastest = 0.0
     turning = 0.0
     unbalanced = 0.0
@@ -127,21 +131,25 @@ def move(
                 unbalanced += f * f
                 drag = 0.0
                 if LOCAL:
-                    drag = local_damping * abs(f) * direction(v)
-                w = (keep * v if GLOBAL else v) + (push if GLOBAL else time_step) * (f - drag) * inverse_mass[
-                    i
-                ]
+                    drag = (
+                        local_damping
+                        * abs(f)
+                        * direction(v + 0.5 * time_step * f * inverse_mass[i] if AT_MIDDLE else v)
+                    )
+                w = (keep * v if GLOBAL else v) + (push if GLOBAL else span) * (f - drag) * inverse_mass[i]
                 if ENERGY:
-                    mean = 0.5 * (v + w)
-                    kinetic += 0.5 * v * w / inverse_mass[i]
+                    # velocity half a step ago, and the way since then that was gone
+                    u = v - (1.0 - before) * (w - v)
+                    way = 0.5 * (before * v + w) * time_step
+                    kinetic += 0.5 * u * w / inverse_mass[i]
                     if LOCAL:
-                        damped += drag * mean * time_step
+                        damped += drag * way
                     if GLOBAL:
-                        damped += global_damping * mean * mean / inverse_mass[i] * time_step
-                    fallen += weight * v * time_step
-                    forced += given * v * time_step
+                        damped += global_damping * 0.5 * (u + w) * way / inverse_mass[i]
+                    fallen += weight * v * before * time_step
+                    forced += given * v * before * time_step
             elif ENERGY:
-                driven -= (f - weight - given) * v * time_step
+                driven -= (f - weight - given) * v * span
             speed += w * w
             following[i, VELOCITY + axis] = w
             following[i, axis] = now[i, axis] + w * time_step
@@ -165,20 +173,25 @@ def move(
                 if free:
                     drag = 0.0
                     if LOCAL:
-                        drag = local_damping * abs(f) * direction(v)
-                    w = (keep * v if GLOBAL else v) + (push if GLOBAL else time_step) * (
+                        drag = (
+                            local_damping
+                            * abs(f)
+                            * direction(v + 0.5 * time_step * f * inverse_inertia[i] if AT_MIDDLE else v)
+                        )
+                    w = (keep * v if GLOBAL else v) + (push if GLOBAL else span) * (
                         f - drag
                     ) * inverse_inertia[i]
                     if ENERGY:
-                        mean = 0.5 * (v + w)
-                        kinetic += 0.5 * v * w / inverse_inertia[i]
+                        u = v - (1.0 - before) * (w - v)
+                        way = 0.5 * (before * v + w) * time_step
+                        kinetic += 0.5 * u * w / inverse_inertia[i]
                         if LOCAL:
-                            damped += drag * mean * time_step
+                            damped += drag * way
                         if GLOBAL:
-                            damped += global_damping * mean * mean / inverse_inertia[i] * time_step
-                        forced += given * v * time_step
+                            damped += global_damping * 0.5 * (u + w) * way / inverse_inertia[i]
+                        forced += given * v * before * time_step
                 elif ENERGY:
-                    driven -= (f - given) * v * time_step
+                    driven -= (f - given) * v * span
                 following[i, SPIN + axis] = w
                 if SLEEP:
                     turning = max(turning, (w * now[i, RADIUS]) ** 2)

@@ -25,6 +25,7 @@ import numpy as np
 SPACE = True  # spheres in 3D, not discs in 2D
 BONDS = True
 REPLACES = True  # the contact law sleeps while a bond is intact
+LINGERS = True  # a bond that is cut acts to the end of the step
 REACH = True  # a contact may hold beyond touch
 ONE_MATERIAL = False
 MATERIALS = 1
@@ -69,6 +70,9 @@ contact: Any = None
 contact_viscous: Any = None
 contact_energy: Any = None
 contact_reach: Any = None
+branches: Any = None  # of the convention, see geodem.laws.convention
+half_turn: Any = None
+spin_about: Any = None
 load_contact: Any = None
 store_contact: Any = None
 no_contact: Any = None
@@ -236,35 +240,46 @@ def range_of_pairs(
             twist = 0.0
             bend_y = 0.0
             bend_z = 0.0
+            ax = 0.0
+            ay = 0.0
+            bx = 0.0
+            by = 0.0
             if SPACE:
                 dvz = rows[b + VELOCITY + 2] - rows[a + VELOCITY + 2]
                 along = dvx * nx + dvy * ny + dvz * nz
                 approach = -along * time_step
                 # the change of n over half a step and the mean spin about n turn the contact's frame
-                turn_x = (dvx - along * nx) * inverse * (0.5 * time_step)
-                turn_y = (dvy - along * ny) * inverse * (0.5 * time_step)
-                turn_z = (dvz - along * nz) * inverse * (0.5 * time_step)
+                turn_x, turn_y, turn_z = half_turn(
+                    dx, dy, dz, distance, nx, ny, nz, dvx, dvy, dvz, along, time_step
+                )
                 ax = rows[a + SPIN]
                 ay = rows[a + SPIN + 1]
                 az = rows[a + SPIN + 2]
                 bx = rows[b + SPIN]
                 by = rows[b + SPIN + 1]
                 bz = rows[b + SPIN + 2]
-                spin = 0.5 * time_step * ((ax + bx) * nx + (ay + by) * ny + (az + bz) * nz)
-                wx = arm_a * ax + arm_b * bx
-                wy = arm_a * ay + arm_b * by
-                wz = arm_a * az + arm_b * bz
-                slip_x = (dvx - along * nx - (wy * nz - wz * ny)) * time_step
-                slip_y = (dvy - along * ny - (wz * nx - wx * nz)) * time_step
-                slip_z = (dvz - along * nz - (wx * ny - wy * nx)) * time_step
+                spin = spin_about(nx, ny, nz, turn_x, turn_y, turn_z, ax + bx, ay + by, az + bz, time_step)
+                enlarged, branch_a, branch_b = branches(distance, radius_a, radius_b)
+                wx = branch_a * ax + branch_b * bx
+                wy = branch_a * ay + branch_b * by
+                wz = branch_a * az + branch_b * bz
+                slip_x = (enlarged * (dvx - along * nx) - (wy * nz - wz * ny)) * time_step
+                slip_y = (enlarged * (dvy - along * ny) - (wz * nx - wx * nz)) * time_step
+                slip_z = (enlarged * (dvz - along * nz) - (wx * ny - wy * nx)) * time_step
                 twist = ((bx - ax) * nx + (by - ay) * ny + (bz - az) * nz) * time_step
                 bend_x = (bx - ax) * time_step - twist * nx
                 bend_y = (by - ay) * time_step - twist * ny
                 bend_z = (bz - az) * time_step - twist * nz
             else:
                 approach = -(dvx * nx + dvy * ny) * time_step
-                slip_x = (dvy * nx - dvx * ny - arm_a * rows[a + SPIN] - arm_b * rows[b + SPIN]) * time_step
-                bend_x = (rows[b + SPIN] - rows[a + SPIN]) * time_step
+                az = rows[a + SPIN]
+                bz = rows[b + SPIN]
+                slip_x = (dvy * nx - dvx * ny - arm_a * az - arm_b * bz) * time_step
+                bend_x = (bz - az) * time_step
+            space = (
+                nx, ny, nz, ax * time_step, ay * time_step, az * time_step, bx * time_step, by * time_step,
+                bz * time_step, approach,
+            )  # fmt: skip
             normal = 0.0
             shear_x = 0.0
             shear_y = 0.0
@@ -292,7 +307,7 @@ def range_of_pairs(
                 ) = bond(
                     strength, overlap, approach, slip_x, slip_y, slip_z, twist, bend_x, bend_y, bend_z,
                     radius_a, radius_b, distance, mass_a, mass_b, time_step,
-                    bond_scale[number - 1] if SCALED else 1.0, kept,
+                    bond_scale[number - 1] if SCALED else 1.0, space, kept,
                 )  # fmt: skip
                 store_bond(history, p, kept)
                 if RELAX:
@@ -300,7 +315,13 @@ def range_of_pairs(
                     utilisation[number - 1, 1] = cut
                 if tension >= breaking or cut >= breaking:
                     pair_bond[p] = -number
-                    if REPLACES and touch:
+                    # for this step a bond that is cut may still act, with what it bears
+                    lingers = LINGERS and tension < breaking
+                    if lingers:
+                        shear_x /= cut
+                        shear_y /= cut
+                        shear_z /= cut
+                    if REPLACES and (touch or lingers):
                         # what the bond carried in shear is handed over; it has taken this step's slip already
                         store_contact(history, p, with_shear(held, shear_x, shear_y, shear_z))
                     record[number - 1, STATE] = 1 if tension >= cut else 2
@@ -309,16 +330,21 @@ def range_of_pairs(
                     record[number - 1, PLACE + 1] = rows[a + 1] + arm_a * ny
                     if SPACE:
                         record[number - 1, PLACE + 2] = rows[a + 2] + arm_a * nz
-                    fresh[overstressed] = p
-                    overstressed += 1
-                    continue
+                    if not lingers:
+                        fresh[overstressed] = p
+                        overstressed += 1
+                        continue
+                    pair_bond[p] = 0
+                    touching[p] = 1
                 if VISCOUS_BOND:
                     damp, drag_x, drag_y, drag_z = bond_viscous(
                         strength, overlap, approach, slip_x, slip_y, slip_z, radius_a, radius_b, distance,
                         mass_a, mass_b, time_step,
                     )  # fmt: skip
                 if ENERGY:
-                    stored = bond_energy(strength, overlap, radius_a, radius_b, distance, kept)
+                    stored = bond_energy(
+                        strength, overlap, radius_a, radius_b, distance, mass_a, mass_b, kept
+                    )
             if BONDS and number < 0:
                 pair_bond[p] = 0
                 if REPLACES:
@@ -330,7 +356,7 @@ def range_of_pairs(
                     normal_c, shear_cx, shear_cy, shear_cz, twisting_c, bending_cx, bending_cy, bending_cz, held,
                 ) = contact(
                     parameters, overlap, step_in, left * slip_x, left * slip_y, left * slip_z, twist, bend_x, bend_y,
-                    bend_z, radius_a, radius_b, distance, mass_a, mass_b, time_step, held,
+                    bend_z, radius_a, radius_b, distance, mass_a, mass_b, time_step, space, held,
                 )  # fmt: skip
                 store_contact(history, p, held)
                 if not touched:
@@ -353,7 +379,9 @@ def range_of_pairs(
                     drag_y += drag_cy
                     drag_z += drag_cz
                 if ENERGY:
-                    stored += contact_energy(parameters, overlap, radius_a, radius_b, distance, held)
+                    stored += contact_energy(
+                        parameters, overlap, radius_a, radius_b, distance, mass_a, mass_b, held
+                    )
             elif touched:
                 touching[p] = 0
                 store_contact(history, p, no_contact())

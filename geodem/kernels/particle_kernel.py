@@ -9,13 +9,15 @@ from typing import Any
 
 from .._jit import compile_kernel, function_source
 from ..laws import BOND_LAWS, CONTACT_LAWS
-from ..laws.protocol import argument_names
+from ..laws.convention import CONVENTIONS
+from ..laws.protocol import IN_SPACE, argument_names
 from ..laws.protocol import constants as law_constants
 from . import blocks, fours, motion, pairs, sleep, steps, wall_geometry, wall_motion, walls
 from .adapters import (
     HistoryLayout,
     bond_adapters,
     contact_adapters,
+    convention_texts,
     history_layout,
     module_constants,
     no_bond_adapters,
@@ -56,6 +58,8 @@ class Features:
         Chunks at rest are skipped.
     blocked : bool
         Vectorised loop over blocks of pairs that touch (3D).
+    convention : str
+        Name in `geodem.laws.convention.CONVENTIONS`.
     """
 
     dimension: int
@@ -81,6 +85,7 @@ class Features:
     energy: bool = False
     sleep: bool = False
     blocked: bool = False
+    convention: str = "geodem"
 
     def layout(self) -> HistoryLayout:
         """Columns of the history of pairs."""
@@ -95,6 +100,13 @@ class Features:
         """Whether pairs are computed in blocks; without shear some fours of a block would not be read whole."""
         layout = self.layout()
         if not self.blocked or self.dimension != 3 or self.energy or "shear_x" not in layout.contact:
+            return False
+        contact, bond = self.laws()
+        laws = [law for law in (contact, bond) if law is not None]
+        # blocks know geodem's own convention, and what does not depend on the directions of space
+        if self.convention != "geodem" or any(set(argument_names(law.force)) & set(IN_SPACE) for law in laws):
+            return False
+        if bond is not None and getattr(bond, "LINGERS", False):
             return False
         # a block has so many places for what the laws remember
         return max(len(layout.contact), len(layout.bond)) <= blocks.HISTORIES and (
@@ -125,6 +137,7 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
         )
         law_functions += bond_functions
         adapters += more
+    adapters = [*convention_texts(CONVENTIONS[features.convention]), *adapters]
     adapters += [*fours.texts(), function_source(pairs.fetch_ahead)]
     loops: list[Callable[..., Any]] = []
     if not blocked:
@@ -190,6 +203,7 @@ def _constants(features: Features, contact: ModuleType, bond: ModuleType | None)
         "SPACE": space,
         "BONDS": bond is not None,
         "REPLACES": bond is not None and bond.REPLACES_CONTACT,
+        "LINGERS": bond is not None and bool(getattr(bond, "LINGERS", False)),
         "REACH": hasattr(contact, "reach"),
         "ONE_MATERIAL": features.materials == 1,
         "MATERIALS": features.materials,
@@ -218,6 +232,7 @@ def _constants(features: Features, contact: ModuleType, bond: ModuleType | None)
         "WALLS_TURN": features.walls_turn,
         "FACETS": features.facets,
         "LOCAL": features.local_damping,
+        "AT_MIDDLE": CONVENTIONS[features.convention].AT_MIDDLE,
         "GLOBAL": features.global_damping,
         "RELAX": features.relax,
         "SLEEP": features.sleep,

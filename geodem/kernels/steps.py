@@ -47,7 +47,7 @@ def watched(chunk, neighbour_start, neighbour, asleep):
 
 def chunk_forces(
     chunk, chunk_size, now, pair_start, pair_a, pair_b, local_a, local_b, pair_bond, touching, history,
-    table, bond_table, bond_scale, halo_start, time_step, step, breaking, utilisation, record, sums,
+    table, bond_table, bond_scale, halo_start, lapse, step, breaking, utilisation, record, sums,
     force, halo_force, awake,
 ):  # fmt: skip
     """Forces of one chunk's pairs: on its own particles, where it is awake, and on those in its halo."""
@@ -60,7 +60,7 @@ def chunk_forces(
     energy = np.zeros(4)
     contacts, thrust = pairs(
         pair_start[chunk], pair_start[chunk + 1], now, pair_a, pair_b, local_a, local_b, pair_bond, touching, history,
-        table, bond_table, bond_scale, time_step, step, breaking, own,
+        table, bond_table, bond_scale, lapse, step, breaking, own,
         halo_force[halo_start[chunk] : halo_start[chunk + 1]], energy, utilisation, record,
     )  # fmt: skip
     if awake:
@@ -78,8 +78,8 @@ def chunk_forces(
 def chunk_motion(
     chunk, chunk_size, now, following, into, source, target, inverse_mass, inverse_inertia, gravity, applied, held,
     anchor_of, anchors, angle, wall_start, wall_particle, wall_primitive, wall_touching, wall_history, wall_normal,
-    wall_geometry, wall_feature, shape, kind, body, vertex, bodies, wall_table, wall_sums, time_step, local_damping,
-    global_damping, old_force, sums, force, halo_force,
+    wall_geometry, wall_feature, shape, kind, body, vertex, bodies, wall_table, wall_sums, lapse, span, time_step,
+    local_damping, global_damping, old_force, sums, force, halo_force,
 ):  # fmt: skip
     """Take over what other chunks added up for this one's particles, add the forces of walls, and move them."""
     base = chunk * chunk_size
@@ -95,7 +95,7 @@ def chunk_motion(
         contacts, thrust = wall_forces(
             now, base, wall_start[chunk], wall_start[chunk + 1], wall_particle, wall_primitive, wall_touching,
             wall_history, wall_normal, wall_geometry, wall_feature, shape, kind, body, vertex, bodies, wall_table,
-            time_step, force, energy, wall_sums[chunk],
+            lapse, force, energy, wall_sums[chunk],
         )  # fmt: skip
         sums[CONTACTS] += contacts
         sums[THRUST] += thrust
@@ -106,7 +106,7 @@ def chunk_motion(
             sums[TOTAL_ELASTIC] += energy[3]
     move(
         base, size, now, following, force, inverse_mass, inverse_inertia, gravity, applied, held, anchor_of, anchors,
-        angle, time_step, local_damping, global_damping, old_force, sums,
+        angle, span, time_step, local_damping, global_damping, old_force, sums,
     )  # fmt: skip
 
 
@@ -116,8 +116,9 @@ def advance(
     applied, held, anchor_of, anchors, angle,
     wall_start, wall_particle, wall_primitive, wall_touching, wall_history, wall_normal, wall_geometry, wall_feature,
     shape, kind, body, vertex, bodies, wall_table, wall_sums,
-    time_step, first_step, breaking, local_damping, global_damping, damping_ratio, old_force, utilisation, record, sums,
-    force, halo_force, moved, carried, buffer, asleep, quiet, neighbour_start, neighbour, sleep_speed, sleep_steps,
+    first_lapse, first_span, time_step, first_step, breaking, local_damping, global_damping, damping_ratio, old_force,
+    utilisation, record, sums, force, halo_force, moved, carried, buffer, asleep, quiet, neighbour_start, neighbour,
+    sleep_speed, sleep_steps,
 ):  # fmt: skip
     """Up to `steps` steps; fewer where particles may have moved farther than the pair list allows.
 
@@ -125,8 +126,10 @@ def advance(
     rows (2, n, 8 or 12), phase: which of the two holds the present; local_a to target: see `geodem.neighbors.halo`;
     sums (chunks, 17); force (n, 3 or 6): resultants of the last step, halo_force (h, 3 or 6); moved, carried [m]: how
     far particles and walls may have moved since the last search, added up here so that no rounding depends on where a
-    batch of steps ended; buffer [m]: of the pair list; global_damping, damping_ratio: where RELAX, the damping of the
-    first step and its share of the critical one of the lowest frequency in motion.
+    batch of steps ended; buffer [m]: of the pair list. first_lapse [s]: how long things have moved since the laws were
+    last asked, first_span [s]: how long the first forces act on the velocities, both one step from then on.
+    global_damping, damping_ratio: where RELAX, the damping of the first step and its share of the critical one of the
+    lowest frequency in motion.
     Sleep: asleep (chunks,) uint8, quiet (chunks,) steps that a chunk and all around it have been slower than
     sleep_speed; neighbour_start, neighbour: the chunks around each one.
 
@@ -142,6 +145,8 @@ def advance(
     chunks = len(sums)
     for done in range(steps):
         present = (phase + done) & 1
+        lapse = first_lapse if done == 0 else time_step
+        span = first_span if done == 0 else time_step
         now = rows[present]
         following = rows[1 - present]
         # what a chunk takes over comes from chunks before it: where they are the same team's, its particles are moved
@@ -154,7 +159,7 @@ def advance(
                     if late == 0 and (awake or watched(chunk, neighbour_start, neighbour, asleep)):
                         chunk_forces(
                             chunk, chunk_size, now, pair_start, pair_a, pair_b, local_a, local_b, pair_bond, touching,
-                            history, table, bond_table, bond_scale, halo_start, time_step, first_step + done, breaking,
+                            history, table, bond_table, bond_scale, halo_start, lapse, first_step + done, breaking,
                             utilisation, record, sums[chunk], force, halo_force, awake,
                         )  # fmt: skip
                     if awake and (lowest[chunk] < first) == (late == 1):
@@ -162,15 +167,15 @@ def advance(
                             chunk, chunk_size, now, following, into, source, target, inverse_mass, inverse_inertia,
                             gravity, applied, held, anchor_of, anchors, angle, wall_start, wall_particle,
                             wall_primitive, wall_touching, wall_history, wall_normal, wall_geometry, wall_feature,
-                            shape, kind, body, vertex, bodies, wall_table, wall_sums, time_step, local_damping,
-                            global_damping, old_force, sums[chunk], force, halo_force,
+                            shape, kind, body, vertex, bodies, wall_table, wall_sums, lapse, span, time_step,
+                            local_damping, global_damping, old_force, sums[chunk], force, halo_force,
                         )  # fmt: skip
         fastest = 0.0
         for chunk in range(chunks):
             fastest = max(fastest, sums[chunk, FASTEST])
         moved += 2.0 * fastest * time_step
         if WALLS:
-            gather_wall_forces(wall_start, wall_sums, bodies, time_step)
+            gather_wall_forces(wall_start, wall_sums, bodies, lapse)
             carried += move_walls(bodies, time_step) * time_step
         if RELAX:
             softening = 0.0

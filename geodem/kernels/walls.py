@@ -51,6 +51,8 @@ wall: Any = None
 wall_viscous: Any = None
 wall_energy: Any = None
 wall_reach: Any = None
+wall_branches: Any = None  # of the convention, see geodem.laws.convention
+spin_about: Any = None
 load_wall: Any = None
 store_wall: Any = None
 no_wall: Any = None
@@ -179,6 +181,9 @@ def wall_forces(
             twist = 0.0
             bend_y = 0.0
             bend_z = 0.0
+            ax = 0.0
+            ay = 0.0
+            arm = distance
             if SPACE:
                 rz = (
                     now[i, 2]
@@ -199,9 +204,17 @@ def wall_forces(
                     vx += by * hz - bz * hy
                     vy += bz * hx - bx * hz
                     vz += bx * hy - by * hx
-                vx -= distance * (ay * (nz - turn_z) - az * (ny - turn_y))
-                vy -= distance * (az * (nx - turn_x) - ax * (nz - turn_z))
-                vz -= distance * (ax * (ny - turn_y) - ay * (nx - turn_x))
+                enlarged, branch, arm = wall_branches(distance, radius)
+                along = vx * nx + vy * ny + vz * nz
+                vx += (enlarged - 1.0) * (vx - along * nx) - branch * (
+                    ay * (nz - turn_z) - az * (ny - turn_y)
+                )
+                vy += (enlarged - 1.0) * (vy - along * ny) - branch * (
+                    az * (nx - turn_x) - ax * (nz - turn_z)
+                )
+                vz += (enlarged - 1.0) * (vz - along * nz) - branch * (
+                    ax * (ny - turn_y) - ay * (nx - turn_x)
+                )
                 along = vx * nx + vy * ny + vz * nz
                 slip_x = (vx - along * nx) * time_step
                 slip_y = (vy - along * ny) * time_step
@@ -211,15 +224,22 @@ def wall_forces(
                 bend_y = (by - ay) * time_step - twist * ny
                 bend_z = (bz - az) * time_step - twist * nz
                 if touching[p] != 0:
-                    spin = 0.5 * time_step * ((ax + bx) * nx + (ay + by) * ny + (az + bz) * nz)
+                    spin = spin_about(
+                        nx, ny, nz, turn_x, turn_y, turn_z, ax + bx, ay + by, az + bz, time_step
+                    )
             else:
                 if WALLS_TURN:
                     vx -= bz * (ry - 0.5 * time_step * bz * rx)
                     vy += bz * (rx + 0.5 * time_step * bz * ry)
                 along = vx * nx + vy * ny
-                slip_x = (vy * nx - vx * ny - distance * now[i, SPIN]) * time_step
-                bend_x = (bz - now[i, SPIN]) * time_step
+                az = now[i, SPIN]
+                slip_x = (vy * nx - vx * ny - distance * az) * time_step
+                bend_x = (bz - az) * time_step
             approach = -along * time_step
+            space = (
+                nx, ny, nz, ax * time_step, ay * time_step, az * time_step, bx * time_step, by * time_step,
+                bz * time_step, approach,
+            )  # fmt: skip
             # one that parted has no force, but an account to close
             meets = not ENERGY or feature[p] >= 0
             held = no_wall()
@@ -229,7 +249,8 @@ def wall_forces(
                 press, shear_x, shear_y, shear_z, twisting, bending_x, bending_y, bending_z, held,
             ) = wall(
                 parameters, overlap, approach if touching[p] != 0 else overlap, slip_x, slip_y, slip_z,
-                twist, bend_x, bend_y, bend_z, radius, RIGID * radius, distance, mass, RIGID * mass, time_step, held,
+                twist, bend_x, bend_y, bend_z, radius, RIGID * radius, distance, mass, RIGID * mass, time_step, space,
+                held,
             )  # fmt: skip
             if not meets:
                 press = 0.0
@@ -254,7 +275,9 @@ def wall_forces(
             if ENERGY:
                 stored = 0.0
                 if meets:
-                    stored = wall_energy(parameters, overlap, radius, RIGID * radius, distance, held)
+                    stored = wall_energy(
+                        parameters, overlap, radius, RIGID * radius, distance, mass, RIGID * mass, held
+                    )
                 # a contact ends where its surfaces part, wherever they are at the end of the step
                 ends = overlap if meets or wall_reach(parameters, radius, RIGID * radius) > 0.0 else 0.0
                 lost, heat = account(
@@ -288,9 +311,9 @@ def wall_forces(
                 force[row, 0] += fx
                 force[row, 1] += fy
                 force[row, 2] += fz
-                force[row, 3] += distance * (ny * shear_z - nz * shear_y) + mx
-                force[row, 4] += distance * (nz * shear_x - nx * shear_z) + my
-                force[row, 5] += distance * (nx * shear_y - ny * shear_x) + mz
+                force[row, 3] += arm * (ny * shear_z - nz * shear_y) + mx
+                force[row, 4] += arm * (nz * shear_x - nx * shear_z) + my
+                force[row, 5] += arm * (nx * shear_y - ny * shear_x) + mz
                 sums[owner, 0] -= fx
                 sums[owner, 1] -= fy
                 sums[owner, 2] -= fz

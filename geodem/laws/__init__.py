@@ -15,11 +15,17 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from .bond import parallel_bond, rotational_bond, two_springs
+from .bond import cohesive_moments, jointed_cohesive, parallel_bond, rotational_bond, two_springs
 from .contact import (
     cohesive_frictional,
+    elastic_frictional,
     hertz,
+    hertz_dmt,
+    hertz_history,
     hertz_mindlin,
+    hertz_mindlin_rolling,
+    hooke,
+    hooke_stiffness,
     linear_frictional,
     linear_incremental,
     linear_rolling,
@@ -38,11 +44,18 @@ CONTACT_LAWS: dict[str, ModuleType] = {
         linear_rolling,
         hertz,
         hertz_mindlin,
+        hertz_mindlin_rolling,
+        hertz_dmt,
+        elastic_frictional,
+        hooke_stiffness,
+        hooke,
+        hertz_history,
     )
 }
 """Laws of particles that touch by name."""
 
 BOND_LAWS: dict[str, ModuleType] = {
-    module.NAME: module for module in (two_springs, parallel_bond, rotational_bond)
+    module.NAME: module
+    for module in (two_springs, parallel_bond, rotational_bond, cohesive_moments, jointed_cohesive)
 }
 """Laws of bonded particles by name."""

@@ -40,16 +40,30 @@ MENU = {
     "mass_b": "[kg]; huge for a wall",
     "time_step": "[s]",
     "scale": "strength factor of this bond [-]; bonds only",
+    "normal_x": "component of the unit vector from a to b [-]",
+    "normal_y": "the same [-]",
+    "normal_z": "the same [-]; 0 in 2D",
+    "rotation_a_x": "increment of the rotation of a in space [rad]; 0 in 2D",
+    "rotation_a_y": "the same [rad]; 0 in 2D",
+    "rotation_a_z": "the same [rad]",
+    "rotation_b_x": "increment of the rotation of b in space [rad]; 0 in 2D",
+    "rotation_b_y": "the same [rad]; 0 in 2D",
+    "rotation_b_z": "the same [rad]",
+    "closing": "increment of overlap by the velocity, also at the birth of a contact [m]",
 }
 """What a law may ask for, beside its parameters and its history."""
 
+IN_SPACE = tuple(MENU)[-10:]
+"""Those of them that `force` alone may ask for; a law that does is computed pair by pair."""
+
 _STATIC = ("radius_a", "radius_b", "distance")
+_MASSES = ("mass_a", "mass_b")
 # function -> what it may ask for beside the parameters; True: the history as well
 _ASKS: dict[str, tuple[tuple[str, ...], bool]] = {
     "force": (tuple(MENU), True),
-    "viscous": (tuple(name for name in MENU if name != "scale"), True),
-    "energy": (("overlap", *_STATIC), True),
-    "stiffness": (("overlap", *_STATIC), False),
+    "viscous": (tuple(name for name in MENU if name != "scale" and name not in IN_SPACE), True),
+    "energy": (("overlap", *_STATIC, *_MASSES), True),
+    "stiffness": (("overlap", *_STATIC, *_MASSES), False),
     "reach": (("radius_a", "radius_b"), False),
     "bonded": (_STATIC, False),
 }
@@ -260,9 +274,13 @@ def _globals(function: Callable[..., Any]) -> list[str]:
 def _check_globals(place: str, law: ModuleType, function: Callable[..., Any]) -> None:
     """Its text is joined into a generated module, where nothing else of the law's file is known."""
     for name in _globals(function):
-        constant = name.isupper() and isinstance(getattr(law, name, None), bool | int | float)
-        if not constant and name not in ("math", "abs"):
-            remedy = "It may use math, abs, its arguments and numbers in CAPITALS of its own module"
+        found = getattr(law, name, None)
+        constant = name.isupper() and isinstance(found, bool | int | float)
+        own = isinstance(found, types.FunctionType) and found.__module__ == law.__name__
+        if not constant and not own and name not in ("math", "abs"):
+            remedy = (
+                "It may use math, abs, its arguments, and numbers in CAPITALS and functions of its own module"
+            )
             raise InputError(place, f'uses "{name}"', remedy)
 
 

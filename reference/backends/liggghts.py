@@ -6,12 +6,18 @@ import os
 import re
 import shutil
 import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
+from ..posed import Posed, Trajectory
 from ..scenes import Scene
-from .granular_text import COLUMNS, SKIN, domain, last_loop_seconds, read_frames, write_particles
+from .granular_text import COLUMNS, SKIN, domain, last_loop_seconds, read_frames, spheres_of, write_particles
+from .liggghts_script import refuse_what_it_lacks, script_of, trajectory_of
 from .outcome import Outcome, Speed, speed
-from .program import BackendError, clean_environment, refuse, start
+from .program import TIMEOUT, BackendError, clean_environment, refuse, start
+from .verlet import spheres_of_assembly
 
 NAME = "liggghts"
 PROGRAM = "/usr/bin/liggghts"
@@ -25,7 +31,33 @@ def available() -> str | None:
     return None if shutil.which(PROGRAM) else "LIGGGHTS is missing: apt-get install liggghts"
 
 
-def run(scene: Scene, steps: int, *, threads: int = 1, warm_up: int = 0, every: int = 0) -> Outcome:
+def run_posed(posed: Sequence[Posed], *, threads: int = 1, timeout: float = TIMEOUT) -> list[Trajectory]:
+    """Run posed scenes, each in a process of its own, whose start takes a third of a second.
+
+    Raises BackendError where LIGGGHTS is missing, fails, hangs or gives half an answer, or cannot express a scene.
+    """
+    missing = available()
+    if missing:
+        raise BackendError(missing)
+    found = []
+    for one in posed:
+        refuse_what_it_lacks(one)
+        script = script_of(one)
+        types = len(one.assembly.material_names) + len(one.assembly.walls)
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            write_particles(folder / "particles.data", spheres_of_assembly(one, types))
+            (folder / "scene.in").write_text(script)
+            begun = time.perf_counter()
+            printed = start("LIGGGHTS", _command(threads), folder, clean_environment(), timeout)
+            seconds = time.perf_counter() - begun
+            found.append(replace(trajectory_of(one, folder, printed, _version(printed)), seconds=seconds))
+    return found
+
+
+def run(
+    scene: Scene, steps: int, *, threads: int = 1, warm_up: int = 0, every: int = 0, timeout: float = TIMEOUT
+) -> Outcome:
     """`warm_up` steps, then `steps` timed ones on `threads` processes; frames every `every` steps (0: the last).
 
     Raises BackendError where LIGGGHTS is missing or fails, or where its laws cannot stand for the scene.
@@ -39,24 +71,33 @@ def run(scene: Scene, steps: int, *, threads: int = 1, warm_up: int = 0, every: 
         raise refuse("LIGGGHTS", "its discs have the mass of discs, not of spheres")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        write_particles(folder / "particles.data", scene, types=2)
+        write_particles(folder / "particles.data", spheres_of(scene, types=2))
         (folder / "scene.in").write_text(_script(scene, steps, warm_up, every, threads))
-        command = [PROGRAM, "-in", "scene.in"]
-        if threads > 1:
-            launcher = next((path for path in LAUNCHERS if shutil.which(path)), "mpirun")
-            root = ["--allow-run-as-root"] if os.getuid() == 0 else []
-            command = [launcher, *root, "--oversubscribe", "--bind-to", "none", "-n", str(threads), *command]
-        printed = start("LIGGGHTS", command, folder, clean_environment(), 3600.0)
-        frames = read_frames(folder / "frames.txt", scene.particles, warm_up + max(every, 1))
-    version = re.search(r"Version (LIGGGHTS-\S+ \S+)", printed)
+        printed = start("LIGGGHTS", _command(threads), folder, clean_environment(), timeout)
+        first = warm_up + max(every, 1)
+        frames = read_frames(folder / "frames.txt", scene.particles, first, printed=printed)
     return Outcome(
         last_loop_seconds(printed) / steps,
         LAW,
-        version[1] if version else "unknown",
+        _version(printed),
         frames[:, :, 0:3],
         frames[:, :, 3:6],
         frames[:, :, 6:9],
     )
+
+
+def _command(threads: int) -> list[str]:
+    command = [PROGRAM, "-in", "scene.in"]
+    if threads == 1:
+        return command
+    launcher = next((path for path in LAUNCHERS if shutil.which(path)), "mpirun")
+    root = ["--allow-run-as-root"] if os.getuid() == 0 else []
+    return [launcher, *root, "--oversubscribe", "--bind-to", "none", "-n", str(threads), *command]
+
+
+def _version(printed: str) -> str:
+    found = re.search(r"Version (LIGGGHTS-\S+ \S+)", printed)
+    return found[1].rstrip(",") if found else "unknown"
 
 
 def run_speed(scene: Scene, steps: int, threads: int) -> Speed:

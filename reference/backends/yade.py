@@ -55,7 +55,9 @@ def run_posed(posed: Sequence[Posed], *, threads: int = 1, timeout: float = TIME
     return found if len(found) > 1 else [replace(one, seconds=seconds) for one in found]
 
 
-def run(scene: Scene, steps: int, *, threads: int = 1, warm_up: int = 0, every: int = 0) -> Outcome:
+def run(
+    scene: Scene, steps: int, *, threads: int = 1, warm_up: int = 0, every: int = 0, timeout: float = TIMEOUT
+) -> Outcome:
     """`warm_up` steps, then `steps` timed ones; frames every `every` steps (0: the last only).
 
     Raises BackendError where YADE is missing or fails, or where its laws cannot stand for the scene.
@@ -66,7 +68,7 @@ def run(scene: Scene, steps: int, *, threads: int = 1, warm_up: int = 0, every: 
         frames.append(last)
     numbers, arrays = _task(scene)
     numbers |= {"steps": last, "warm_up": warm_up, "frames": frames}
-    (answer,), printed = _launch([(numbers, arrays)], threads, TIMEOUT)
+    (answer,), printed = _launch([(numbers, arrays)], threads, timeout)
     if len(answer["broken"]):
         raise BackendError(f"YADE broke {len(answer['broken'])} bonds. {last_words(printed)}")
     return Outcome(

@@ -8,6 +8,7 @@ sides, and of E nu r in shear; its walls have the radius of the sphere that touc
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,8 +17,9 @@ from numpy.typing import NDArray
 from geodem.assembly import Assembly
 from geodem.laws import BOND_LAWS, CONTACT_LAWS
 
-from ..posed import Posed, Trajectory, about_z, sorted_pairs, three
+from ..posed import Memory, Posed, State, Trajectory, about_z, sorted_pairs, three
 from .answer import checked
+from .planes import plane_of
 from .program import BackendError, refuse
 
 Floats = NDArray[np.float64]
@@ -32,7 +34,7 @@ UNBREAKABLE = 1e30  # [Pa]
 LAWS = {
     "frictional": "Law2_ScGeom_FrictPhys_CundallStrack",
     "moments": "Law2_ScGeom6D_CohFrictPhys_CohesionMoment with moments in total form; "
-    "normal force from the distance at bonding",
+    "normal force from the overlap of the surfaces",
     "jointed": "Law2_ScGeom_JCFpmPhys_JointedCohesiveFrictionalPM; contacts that are born later count their overlap "
     "from that at birth",
 }
@@ -59,8 +61,8 @@ def task_of(posed: Posed) -> tuple[dict[str, Any], Arrays]:
         "law": law,
         "steps": posed.steps,
         "warm_up": 0,
-        "frames": list(posed.frames),
-        "pairs_at": list(posed.frames if posed.pairs_at is None else posed.pairs_at),
+        "frames": _with_start(posed, posed.frames),
+        "pairs_at": _with_start(posed, posed.frames if posed.pairs_at is None else posed.pairs_at),
         "time_step": posed.time_step,
         "damping": posed.local_damping,
         "gravity": three(a.gravity).tolist(),
@@ -81,6 +83,11 @@ def task_of(posed: Posed) -> tuple[dict[str, Any], Arrays]:
     }  # fmt: skip
     walls = _walls(a, table)
     return numbers, arrays | walls | {f"material_{name}": values for name, values in table.items()}
+
+
+def _with_start(posed: Posed, steps: Sequence[int]) -> list[int]:
+    """Steps, and the one before the first frame where its state is asked for."""
+    return [*([posed.first - 1] if posed.first > 1 else []), *steps]
 
 
 def _materials(a: Assembly, law: str) -> tuple[NDArray[np.int64], Arrays]:
@@ -168,21 +175,6 @@ def _refuse_overrides(law: Any, own: list[Any], table: Floats, what: str) -> Non
                 )
 
 
-def plane_of(name: str, wall: Any, code: str) -> list[tuple[int, int, float]]:
-    """Axis, sense and place of every plane of a wall; refused where it is more than planes along the axes at rest."""
-    if len(wall.segments) or len(wall.triangles):
-        raise refuse(code, f"wall {name!r} is made of facets; only planes are translated")
-    if np.any(wall.spin) or wall.servo is not None:
-        raise refuse(code, f"wall {name!r} turns or is driven by a servo")
-    found = []
-    for point, normal in wall.planes:
-        axis = int(np.argmax(np.abs(normal)))
-        if abs(normal[axis]) != 1.0:
-            raise refuse(code, f"wall {name!r} has a plane that is not along the axes")
-        found.append((axis, int(normal[axis]), float(point[axis])))
-    return found
-
-
 def _walls(a: Assembly, table: Arrays) -> Arrays:
     """Walls as YADE's, each for one material of the spheres; rows of their materials are added to the table."""
     axis, sense, place, velocity, material, group, owner = [], [], [], [], [], [], []
@@ -217,7 +209,9 @@ def _wall_material(a: Assembly, contact: Any, kind: int, table: Arrays) -> int:
             raise refuse("YADE", "a wall whose contacts are not twice as stiff as those of the particles")
         young, ratio = RIGID, own.shear_stiffness / own.normal_stiffness
     else:
-        young, ratio = contact.young_modulus, contact.stiffness_ratio
+        if (contact.young_modulus, contact.stiffness_ratio) != (own.young_modulus, own.stiffness_ratio):
+            raise refuse("YADE", "a wall changes only its own side of a contact")
+        young, ratio = contact.other_young_modulus, contact.other_stiffness_ratio
     new = {
         "young": young,
         "poisson": ratio,
@@ -235,7 +229,7 @@ def _wall_material(a: Assembly, contact: Any, kind: int, table: Arrays) -> int:
 def trajectory_of(posed: Posed, arrays: Arrays, found: Arrays, law: str, printed: str) -> Trajectory:
     """What YADE left of a task. Raises BackendError where it is not all there."""
     a = posed.assembly
-    steps = np.array(posed.frames)
+    steps = np.array(_with_start(posed, posed.frames))
     n, walls = a.particles, len(arrays["wall_axis"])
     shapes = {
         "steps": (len(steps),), "positions": (len(steps), n, 3), "velocities": (len(steps), n, 3),
@@ -244,32 +238,46 @@ def trajectory_of(posed: Posed, arrays: Arrays, found: Arrays, law: str, printed
     }  # fmt: skip
     if walls:
         shapes["wall_forces"] = (len(steps), walls, 3)
+    for name, width in (("pairs", 12), ("broken", 2)):
+        # of these nobody knows how many there will be
+        shapes[name] = (len(found.get(name, ())), width)
     checked("YADE", found, shapes, printed)
     if not np.array_equal(found["steps"], steps):
         raise BackendError(f"YADE gave frames of other steps than those asked for: {found['steps'][:5]}")
+    before = len(steps) - len(posed.frames)
     on_walls = np.zeros((len(steps), len(a.walls), 3))
-    if walls:
-        for k, owner in enumerate(arrays["wall_owner"]):
-            on_walls[:, owner] += found["wall_forces"][:, k]
+    for k, owner in enumerate(arrays["wall_owner"]):
+        on_walls[:, owner] += found["wall_forces"][:, k]
     rows = found["pairs"]
+    start = None
+    if before:
+        own = rows[rows[:, 0] == 0]
+        pairs = sorted_pairs(own[:, 0], own[:, 1:3], own[:, 3:6], own[:, 6:9], own[:, 9:12])
+        start = State(
+            found["positions"][0], found["velocities"][0], found["spins"][0], Memory(pairs.pairs, pairs.shear)
+        )
+        rows = rows[rows[:, 0] > 0]
     return Trajectory(
         code="yade",
         version=str(found["version"]),
         law=LAWS[law],
-        steps=steps,
-        positions=found["positions"],
-        velocities=found["velocities"],
-        spins=found["spins"],
+        steps=steps[before:],
+        positions=found["positions"][before:],
+        velocities=found["velocities"][before:],
+        spins=found["spins"][before:],
         # gravity is an acceleration there
-        forces=found["forces"] + a.mass[:, None] * three(a.gravity),
-        torques=found["torques"],
-        orientations=found["orientations"],
-        pair_forces=sorted_pairs(rows[:, 0], rows[:, 1:3], rows[:, 3:6], rows[:, 6:9], rows[:, 9:12]),
-        wall_forces=on_walls,
+        forces=found["forces"][before:] + a.mass[:, None] * three(a.gravity),
+        torques=found["torques"][before:],
+        orientations=found["orientations"][before:],
+        pair_forces=sorted_pairs(
+            rows[:, 0] - before, rows[:, 1:3], rows[:, 3:6], rows[:, 6:9], rows[:, 9:12]
+        ),
+        wall_forces=on_walls[before:],
         broken=tuple(
             sorted(
                 ((int(a.bonds[bond][0]), int(a.bonds[bond][1]), int(step)) for bond, step in found["broken"]),
                 key=lambda one: (one[2], one[0], one[1]),
             )
         ),
+        start=start,
     )

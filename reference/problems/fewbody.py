@@ -1,9 +1,11 @@
 """One or two spheres that collide, slide, roll and bounce, against closed forms: `python -m reference run fewbody`.
 
 Chung & Ooi's impact tests 1 to 4 (2011, Granular Matter 13:643-656) stand here, spin, roll and bounce in
-`fewbody_motion`. What a collision costs is set by the linear law's dashpot. Its contact ends where the overlap is
-zero, so that the dashpot may pull for a moment before; half a damped oscillation then gives
-e = exp(-pi zeta/sqrt(1 - zeta^2)) with zeta = eta omega/2, which is solved for eta in `fewbody_motion.viscosity`.
+`fewbody_motion`, Hertz-Mindlin impacts, rolling resistance and adhesion in `fewbody_laws`.
+
+What a collision costs is set here by the linear law's dashpot. Its contact ends where the overlap is zero, so that the
+dashpot may pull for a moment before; half a damped oscillation then gives e = exp(-pi zeta/sqrt(1 - zeta^2)) with
+zeta = eta omega/2, which is solved for eta in `fewbody_motion.viscosity`.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ from geodem.boundaries.walls import plane
 from geodem.builders.assembly_builder import AssemblyBuilder
 from geodem.particle_simulation import ParticleSimulation
 
-from . import fewbody_motion
+from . import fewbody_laws, fewbody_motion
 from .fewbody_motion import A_COLLISION, Ball
 from .rows import Row, relative
 
@@ -185,7 +187,7 @@ def oblique(angle: float, tangential: float, spin: float) -> list[Row]:
 
 
 def run() -> list[Row]:
-    """All of them. Rolling resistance and adhesion (DMT) are laws that geodem does not have."""
+    """All of them."""
     rows: list[Row] = []
     for kind in TWO_SPHERES:
         rows += two_spheres(kind)
@@ -195,5 +197,5 @@ def run() -> list[Row]:
     rows += [restitution(asked) for asked in RESTITUTIONS if asked >= 0.4]
     rows += [restitution(asked, finer=4) for asked in RESTITUTIONS]
     for each in OBLIQUE:
-        rows += oblique(*each)
-    return [*rows, *fewbody_motion.run()]
+        rows += oblique(*each) + fewbody_laws.oblique(*each)
+    return [*rows, *fewbody_laws.run(), *fewbody_motion.run()]

@@ -11,6 +11,7 @@ from geodem._jit import compile_kernel
 from geodem.boundaries.wall_pairs import find_wall_pairs
 from geodem.boundaries.wall_table import wall_table
 from geodem.kernels import pairs, wall_geometry, wall_motion, walls
+from geodem.laws.convention import geodem as own_convention
 
 KN, KS, FRICTION = 1e6, 5e5, 0.5
 REACH = 0.0
@@ -23,7 +24,7 @@ def wall_parameters(table, row):
 
 def wall(
     parameters, overlap, approach, slip_x, slip_y, slip_z, twist, bend_x, bend_y, bend_z, radius_a, radius_b, distance,
-    mass_a, mass_b, time_step, history,
+    mass_a, mass_b, time_step, space, history,
 ):  # fmt: skip
     normal = parameters[0] * overlap
     x = history[0] + parameters[1] * slip_x
@@ -55,7 +56,7 @@ def wall_viscous(
     return 0.0, 0.0, 0.0, 0.0
 
 
-def wall_energy(parameters, overlap, radius_a, radius_b, distance, history):
+def wall_energy(parameters, overlap, radius_a, radius_b, distance, mass_a, mass_b, history):
     square = history[0] * history[0] + history[1] * history[1] + history[2] * history[2]
     return 0.5 * parameters[0] * overlap * overlap + 0.5 * square / parameters[1]
 
@@ -121,6 +122,8 @@ def kernel(dimension, turn, reach=0.0):
     }
     functions = (
         *STAND_IN,
+        own_convention.wall_branches,
+        own_convention.spin_about,
         pairs.account,
         *walls.FACET_FUNCTIONS,
         walls.wall_forces,

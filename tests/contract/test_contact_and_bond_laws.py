@@ -11,9 +11,11 @@ from geodem.laws.protocol import argument_names, check_law, constants, history_n
 from tests.contract.bond_strengths import STRENGTHS
 from tests.contract.two_particles import (
     CASES,
+    JUMPS,
     LAWS,
     LOSSLESS,
     NOT_LINEAR,
+    OF_OTHER_CODES,
     REGISTERED,
     SHEAR_FOLLOWS_LOAD,
     SIZE,
@@ -40,7 +42,8 @@ LITTLE = 1e-3 * SIZE
 
 
 def test_the_table_has_every_law():
-    assert set(LAWS) == set(CONTACT_LAWS) | set(BOND_LAWS)
+    assert set(LAWS) | OF_OTHER_CODES == set(CONTACT_LAWS) | set(BOND_LAWS)
+    assert not set(LAWS) & OF_OTHER_CODES
     assert not set(CONTACT_LAWS) & set(BOND_LAWS)
 
 
@@ -132,12 +135,12 @@ def test_an_elastic_loop_costs_nothing(law, dimension):
 @every_case
 def test_a_loop_gives_no_energy(law, dimension):
     """Closed loops from rest, through sliding, parting, touching again and breaking: work >= what is stored."""
-    spent_share = []
+    spent_share, jumps, sizes = [], [], []
     broken = parted = 0
     for seed in range(12):
         pair = Pair(law, parameters_of(law), dimension)
         before = pair.answer
-        total = size = spent = 0.0
+        total = size = spent = unknown = 0.0
         lived = False
         for motion in closed_path(np.random.default_rng(seed), dimension):
             stored = pair.energy()
@@ -145,14 +148,20 @@ def test_a_loop_gives_no_energy(law, dimension):
             done = work(before, after, motion)
             total, size = total + done, size + abs(done)
             spent += done - pair.energy() + stored
+            if law.NAME in JUMPS and lived != pair.alive:
+                # somewhere inside the step
+                unknown += abs(after.normal - before.normal) * abs(motion.approach)
             # the work is a trapezoid sum, wrong by a part of the steps on which the two slide, touch or part
-            assert spent >= -1e-5 * size
+            assert spent >= -1e-5 * size - unknown
             parted += lived and not pair.alive
             lived, before = pair.alive, after
-        assert total >= -1e-5 * size
+        assert total >= -1e-5 * size - unknown
+        jumps.append(unknown)
+        sizes.append(size)
         broken += pair.broken
         if size:
             spent_share.append(spent / size)
+    assert sum(jumps) < 1e-3 * sum(sizes)
     if law.NAME in LOSSLESS:
         assert np.median(spent_share) < 1e-4
     else:

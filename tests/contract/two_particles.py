@@ -57,6 +57,21 @@ LAWS = {
         "friction_coefficient": 0.4,
         "restitution": 0.3,
     },
+    "hertz_mindlin_rolling": {
+        "young_modulus": 5e10,
+        "poisson_ratio": 0.2,
+        "friction_coefficient": 0.4,
+        "rolling_friction": 0.3,
+        "twisting_friction": 0.2,
+        "restitution": 0.3,
+    },
+    "hertz_dmt": {
+        "young_modulus": 5e10,
+        "poisson_ratio": 0.2,
+        "friction_coefficient": 0.4,
+        "work_of_adhesion": 100.0,
+        "restitution": 0.3,
+    },
     "two_springs": {
         "normal_stiffness": 2e7,
         "shear_stiffness": 8e6,
@@ -103,9 +118,21 @@ ELASTIC = {
 }
 """Strengths that no path reaches."""
 
+OF_OTHER_CODES = {
+    "elastic_frictional",
+    "cohesive_moments",
+    "jointed_cohesive",
+    "hooke_stiffness",
+    "hooke",
+    "hertz_history",
+}
+"""Laws in the conventions of YADE and LIGGGHTS: `test_laws_of_other_codes` says what they promise."""
+
 NOT_LINEAR = {"hertz"}
-SHEAR_FOLLOWS_LOAD = {"hertz_mindlin"}
+SHEAR_FOLLOWS_LOAD = {"hertz_mindlin", "hertz_mindlin_rolling", "hertz_dmt"}
 """The shear spring is stiffer the more the two are pressed, and loses some of its energy as that changes."""
+JUMPS = {"hertz_dmt"}
+"""The force begins and ends with a jump."""
 LOSSLESS = {"hertz"}
 """Neither friction nor anything that breaks."""
 

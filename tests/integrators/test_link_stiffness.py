@@ -20,8 +20,8 @@ LAWS = [
 def test_compiled_is_plain(law, dimension, monkeypatch):
     rng = np.random.default_rng(1)
     parameters = rng.uniform(0.1, 0.4, (50, len(law.PARAMETERS._fields)))
-    radius_a, radius_b, distance, overlap = rng.uniform(0.1, 2.0, (4, 50))
-    sizes = {"radius_a": radius_a, "radius_b": radius_b, "distance": distance, "overlap": overlap}
+    names = ("radius_a", "radius_b", "distance", "overlap", "mass_a", "mass_b")
+    sizes = dict(zip(names, rng.uniform(0.1, 2.0, (6, 50)), strict=True))
     plain = link_stiffness.law_stiffness(law, dimension, parameters, **sizes)
     monkeypatch.setattr(link_stiffness, "COMPILED_FROM", 1)
     compiled = link_stiffness.law_stiffness(law, dimension, parameters, **sizes)

@@ -6,6 +6,7 @@ import re
 import pytest
 
 from reference.pages import read_results, write_pages
+from reference.pages_compare import COMPARED
 from reference.pages_particles import GROUPS
 from tests.docs.pages import tables
 
@@ -136,6 +137,29 @@ def test_particle_figures_and_their_bounds(tmp_path):
     assert "1 of 2 figures lie within their bounds" in page.read_text()
 
 
+def test_comparisons_with_other_codes(tmp_path):
+    results = tmp_path / "results"
+    results.mkdir()
+    row = {"scene": "oblique", "code": "yade", "version": "2023", "quantity": "positions", "difference": 2e-14,
+           "bound": 1e-11, "good": True}  # fmt: skip
+    rows = [row, {**row, "quantity": "spins", "difference": 0.0}, {**row, "scene": "beam", "difference": None,
+            "good": False}, {**row, "code": "liggghts", "version": "3.8.0", "bound": None}]  # fmt: skip
+    (results / "compare-fewbody.json").write_text(json.dumps({"header": HEADER, "rows": rows}))
+    (results / "compare-dam-break.json").write_text(json.dumps({"header": HEADER, "rows": rows[:1]}))
+    write_pages(results, tmp_path / "docs")
+    page = tmp_path / "docs" / "verification.md"
+    assert _tables_below(page, "A few spheres, a thousand steps") == [
+        ["yade", "oblique", "positions 2.0e-14; spins 0", "1.0e-11", "yes"],
+        ["yade", "beam", "positions no number", "1.0e-11", "**no**"],
+        ["liggghts", "oblique", "positions 2.0e-14", "-", "yes"],
+    ]
+    text = page.read_text()
+    assert "2 of 3 comparisons lie within their bounds" in text
+    assert "Compared with yade 2023, liggghts 3.8.0." in text
+    # one that has no text of its own
+    assert _tables_below(page, "Dam break")[0][1] == "oblique"
+
+
 def test_times(written):
     rows = _tables_below(
         written / "performance.md",
@@ -207,7 +231,7 @@ def test_nothing_was_run(tmp_path):
     stale.write_bytes(b"of an earlier run")
     write_pages(tmp_path / "no results", docs)
     text = (docs / "verification.md").read_text()
-    assert text.count("This has not been run yet") == 2 + len(GROUPS)
+    assert text.count("This has not been run yet") == 2 + len(GROUPS) + len(COMPARED)
     assert "`python -m reference bench slopes`" in text
     assert "error_against_time" not in (docs / "performance.md").read_text()
     assert not stale.exists()

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from reference.problems import fewbody, fewbody_motion
+from reference.problems import fewbody, fewbody_laws, fewbody_motion
 from tests.verification.rows import check
 
 
@@ -39,7 +39,20 @@ def test_oblique_impact_that_slides_all_through(case):
     impulse = 0.092 * 1.98
     assert kept == pytest.approx(1.0 - impulse / math.tan(math.radians(angle)), abs=6e-5)
     assert spin == pytest.approx(2.5 * impulse * 3.9 * math.cos(math.radians(angle)) / 2.5e-3, abs=0.06)
-    check(*fewbody.oblique(angle, kept, spin))
+    check(*fewbody.oblique(angle, kept, spin), *fewbody_laws.oblique(angle, kept, spin))
+
+
+@pytest.mark.parametrize(("asked", "finer"), [(0.1, 4), (0.4, 1), (0.9, 1)])
+def test_restitution_of_a_hertz_mindlin_contact(asked, finer):
+    check(fewbody_laws.restitution(asked, finer=finer))
+
+
+def test_rolling_resistance():
+    check(fewbody_laws.spin_down("linear_rolling"), fewbody_laws.roll_down("linear_rolling"))
+
+
+def test_pull_off():
+    check(fewbody_laws.pull_off(10e-6, 25e-6))
 
 
 def test_sliding_becomes_rolling():
