@@ -24,7 +24,7 @@ slope: $(VENV)/run.done
 	@$(BIN)/geodem run $(CASE) --out $(OUT)
 
 test: $(VENV)/dev.done $(VENV)/peers.done lint
-	@$(BIN)/python -m pytest tests -m "not clock" -n $(WORKERS) --dist worksteal
+	@$(BIN)/python -m pytest tests -m "not clock" -n $(WORKERS) --dist loadfile
 	@$(BIN)/python -m pytest tests -m clock
 
 lint: $(VENV)/dev.done
