@@ -13,6 +13,8 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || command -v sudo)
 LIBRARIES := libgl1 libglu1-mesa libosmesa6 libxrender1 libgomp1
 # other codes that the tests and benchmarks compare with; each is a program of its own
 PEERS := yade liggghts
+# processes that run the tests: most of the time goes into compiling kernels, which one core does
+WORKERS ?= 2
 CASE ?= workflows/slope_from_picture
 OUT ?= runs/slope
 
@@ -22,7 +24,8 @@ slope: $(VENV)/run.done
 	@$(BIN)/geodem run $(CASE) --out $(OUT)
 
 test: $(VENV)/dev.done $(VENV)/peers.done lint
-	@$(BIN)/python -m pytest tests
+	@$(BIN)/python -m pytest tests -m "not clock" -n $(WORKERS) --dist loadfile
+	@$(BIN)/python -m pytest tests -m clock
 
 lint: $(VENV)/dev.done
 	@$(BIN)/ruff check geodem reference workflows tests

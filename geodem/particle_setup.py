@@ -260,10 +260,13 @@ def hand_over(
 
 def _particle_numbers(given: ArrayLike, columns: int, particles: int) -> NDArray[np.int64]:
     """Particles (k, columns); raises InputError for what is none."""
-    numbers = np.asarray(given)
+    wanted = "two numbers a pair" if columns == 2 else "one number a particle"
+    try:
+        numbers = np.asarray(given)
+    except ValueError:
+        raise InputError("pairs", "these are not numbers of particles", f"Give {wanted}") from None
     if numbers.size == 0:
         return np.empty((0, columns), dtype=np.int64)
-    wanted = "two numbers a pair" if columns == 2 else "one number a particle"
     if numbers.dtype.kind not in "iu" or numbers.ndim != columns or (columns == 2 and numbers.shape[1] != 2):
         raise InputError("pairs", "these are not numbers of particles", f"Give {wanted}")
     bad = numbers[(numbers < 0) | (numbers >= particles)]

@@ -54,8 +54,9 @@ GROUPS = (
         "Granular flow: columns, silo, hopper",
         "Trends, with the bounds of trends. Columns of a few thousand grains collapse on a floor of held grains; in 2D "
         "beside a smooth wall, over three seeds, in 3D all around, over two. Grains fall into a square silo eight "
-        "grains wide, and its floor sinks by one grain, so that friction is mobilised. A box sixteen grains wide "
-        "drains through round holes.\n\n![Run-out, stress with depth, rate of flow](pictures/granular_flow.png)",
+        "grains wide, and its floor sinks by one grain, so that friction is mobilised: to nine tenths along the walls, "
+        "to seven at the foot, where the stress lies above that of saturation. A box sixteen grains wide drains "
+        "through round holes.\n\n![Run-out, stress with depth, rate of flow](pictures/granular_flow.png)",
     ),
 )
 

@@ -153,6 +153,7 @@ def test_info_needs_no_other_code(tmp_path):
         assert word in done.stdout
 
 
+@pytest.mark.clock
 def test_importing_costs_nothing():
     code = (
         "import sys, time; start = time.perf_counter(); import geodem; "
@@ -189,6 +190,7 @@ def test_every_public_name_is_there():
         getattr(geodem, misspelt)
 
 
+@pytest.mark.clock
 def test_first_step_comes_soon(tmp_path):
     """From the start of the program to the first batch of steps, with kernels that were compiled before."""
     case = write_case(tmp_path / "case", SLOPE.replace("particles = 500", "particles = 5000"))

@@ -278,6 +278,7 @@ def content(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
+@pytest.mark.clock
 def test_what_is_done_is_not_done_again(case, folder, capsys):
     before = content(folder)
     for arguments in (("resume", folder), ("run", case, "--out", folder)):

@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 
 RAIN = {2: 0.4, 3: 0.25}
 """Solid fraction of the rain: as dense as is quickly made, so that the last particles fall not much farther."""
-LOST = 10.0
+LOST = 2.0
 """Heights of the rain below the lowest wall at which a particle will not come back."""
 SLOW = 1e-2
 """Speed of what counts as at rest, over that of a fall through a mean radius."""

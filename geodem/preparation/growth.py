@@ -27,8 +27,10 @@ LOOSE = {2: 0.4, 3: 0.25}
 """Solid fraction to begin with."""
 STAGE = 1.015
 """Growth of radii from one stage to the next: touching particles overlap by so much."""
-PUSHED_APART = 1e-3
-"""Overlap over the smaller radius at which a stage without friction ends."""
+INFLATION = 1e-3
+"""Share by which radii are larger while frictionless particles are pushed apart: none overlap once they are not."""
+PUSHED_APART = 2.0 * INFLATION / (1.0 + INFLATION) * (1.0 - 1e-9)
+"""Overlap of the inflated particles over the smaller radius at which a stage ends; a hair less for rounding."""
 STAGE_STEPS = {"pushes": 2000, "relaxation": 400}
 STAGE_BALANCE = 1e-2
 """Unbalanced ratio at which a stage with friction ends."""
@@ -108,13 +110,9 @@ def grow_radii(
         now = radii * largest ** (1.0 - stage / stages)
         if used.friction == 0.0:
             apart = remove_overlaps(
-                positions,
-                now,
-                loose.box,
-                periodic=True,
-                tolerance=PUSHED_APART,
+                positions, now * (1.0 + INFLATION), loose.box, periodic=True, tolerance=PUSHED_APART,
                 most_steps=STAGE_STEPS["pushes"],
-            )
+            )  # fmt: skip
             positions = apart.positions
         else:
             positions = _relaxed(used, positions, now, loose.box)

@@ -60,8 +60,8 @@ class PreparedSample:
         Force of the particles on every wall [N].
     pairs : (k, 2) int64
         Particles that touch.
-    history : dict of str to (k,)
-        What the contact law remembers of them.
+    history : dict of str to (k,) or (k, 3)
+        What the contact law remembers of them, for `ParticleSimulation.hand_over`.
     method : str
     target, wanted, got : str, float, float
         What was asked for, how much of it, and what was reached. A sample at rest asks for an unbalanced ratio.
@@ -233,10 +233,21 @@ def measure_sample(
         largest_overlap=float(depth.max(initial=0.0)),
         wall_forces={wall.name: s.wall_force(wall.name) for wall in s.assembly.walls},
         pairs=pairs,
-        history={name: values[pressed] for name, values in found.history.items()},
+        history=_history(s, {name: values[pressed] for name, values in found.history.items()}),
         simulation=s,
         **told,
     )
+
+
+def _history(simulation: ParticleSimulation, columns: dict[str, Floats]) -> dict[str, Floats]:
+    """Columns of history by the law's own names, components side by side: as `hand_over` takes them."""
+    law, _ = simulation.features.laws()
+    found = {}
+    for name in (*law.TANGENTIAL, *law.SCALAR, *law.AXIAL):
+        parts = [columns[word] for word in (name, *(f"{name}_{axis}" for axis in "xyz")) if word in columns]
+        if parts:
+            found[name] = parts[0] if len(parts) == 1 else np.stack(parts, axis=1)
+    return found
 
 
 def _stress(simulation: ParticleSimulation, porosity: float) -> Floats:

@@ -109,7 +109,7 @@ def scenes_of(mutation: Mutation, code: str) -> list[Posed]:
         one
         for one in fewbody.posed(code)
         if mutation.law in (one.assembly.contact_law, one.assembly.bond_law, one.convention)
-        and (one.assembly.bond_law is None or mutation.law not in CONTACT_LAWS)
+        and (one.assembly.bond_law is None or mutation.law in BOND_LAWS)
         and one.assembly.particles < 20
     ]
 

@@ -173,6 +173,11 @@ def draw(found: Flows) -> bytes:
         right.set_xlabel("D/d - 1.5")
         right.set_ylabel("rate of flow [g/s]")
         right.set_title("Hopper")
+        for axes in (left, right):
+            for axis in (axes.xaxis, axes.yaxis):
+                axis.set_major_formatter("{x:g}")
+        for axis in (right.xaxis, right.yaxis):
+            axis.set_minor_formatter("{x:g}")
         for axes in (left, middle, right):
             axes.legend(loc="best")
             quiet_axes(axes)
