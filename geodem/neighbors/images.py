@@ -8,6 +8,7 @@ its two particles are: the nearest.
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from types import ModuleType
 from typing import NamedTuple
@@ -207,12 +208,15 @@ def find_images(rows, pair_a, pair_b, vectors, inverse, image):
         for p in range(np.uint64(block * BLOCK), np.uint64(min(pairs, block * BLOCK + BLOCK))):
             a = np.uint64(pair_a[p])
             b = np.uint64(pair_b[p])
+            x = rows[b, 0] - rows[a, 0]
+            y = rows[b, 1] - rows[a, 1]
+            z = rows[b, 2] - rows[a, 2] if DIMENSION == 3 else 0.0
             for k in range(DIMENSION):
-                share = 0.0
-                for axis in range(DIMENSION):
-                    share += (rows[b, axis] - rows[a, axis]) * inverse[axis, k]
+                share = x * inverse[0, k] + y * inverse[1, k]
+                if DIMENSION == 3:
+                    share += z * inverse[2, k]
                 share = share if abs(share) < FAR else 0.0
-                image[p, k] = -np.int32(np.floor(share + 0.5))
+                image[p, k] = -np.int32(math.floor(share + 0.5))
 
 
 def fold_copies(chunk, near, count, of):
@@ -228,7 +232,16 @@ def fold_copies(chunk, near, count, of):
         target = 0
         for particle in range(part * chunk, min(particles, part * chunk + chunk)):
             begin = target
-            for k in range(source, source + count[particle + 1]):
+            found = count[particle + 1]
+            # copies come last, as they have the highest rows; most particles are near to none
+            if found == 0 or listed[source + found - 1] < particles:
+                if source != target:
+                    for k in range(found):
+                        listed[target + k] = listed[source + k]
+                source += found
+                target += found
+                continue
+            for k in range(source, source + found):
                 other = np.int64(listed[k])
                 if other >= particles:
                     other = of[other - particles]
@@ -244,5 +257,5 @@ def fold_copies(chunk, near, count, of):
                     listed[later] = listed[later - 1]
                 listed[place] = other
                 target += 1
-            source += count[particle + 1]
+            source += found
             count[particle + 1] = target - begin
