@@ -120,7 +120,7 @@ def test_a_formula_that_is_a_millionth_off_is_seen():
 def test_every_formula_that_is_to_be_changed_is_found():
     for change in mutation.MUTATIONS:
         with mutation.mutated(change) as module:
-            assert module.NAME == change.law
+            assert change.law == module.NAME
 
 
 @pytest.mark.parametrize(("code", "law"), [("yade", "elastic_frictional"), ("liggghts", "hooke_stiffness")])
