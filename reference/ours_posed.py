@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from geodem._jit import compile_seconds
 from geodem._version import __version__
 from geodem.particle_simulation import ParticleSimulation
 
@@ -51,8 +53,12 @@ def _run(posed: Posed) -> Trajectory:
     wanted = set(posed.frames if posed.pairs_at is None else posed.pairs_at)
     frames: list[tuple[Floats, ...]] = []
     found: list[PairForces] = []
+    loop = 0.0
+    simulation.kernel(simulation.features)
     for number, step in enumerate(posed.frames):
+        start, compiled = time.perf_counter(), compile_seconds()
         simulation.run(step - simulation.steps)
+        loop += time.perf_counter() - start if compile_seconds() == compiled else math.nan
         frames.append(_frame(simulation))
         if step in wanted:
             found.append(_pairs(simulation, number))
@@ -67,6 +73,7 @@ def _run(posed: Posed) -> Trajectory:
         pair_forces=_joined(found),
         broken=_broken(posed, broken.bond, broken.step),
         seconds=time.perf_counter() - begun,
+        loop_seconds=loop,
     )  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -168,6 +169,9 @@ class Trajectory:
         Where it stood one step before the first frame, if that is not the first or second step.
     seconds : float
         Of the whole run, with the start of the program and the reading of its answer; 0 where it was run with others.
+    loop_seconds : float
+        Of the steps alone: without start, building and the noting of frames; nan where a code does not tell, or
+        where geodem compiled on the way.
     """
 
     code: str
@@ -186,6 +190,7 @@ class Trajectory:
     lag: int = 1
     start: State | None = None
     seconds: float = field(default=0.0, compare=False)
+    loop_seconds: float = field(default=math.nan, compare=False)
 
 
 def three(values: Floats) -> Floats:

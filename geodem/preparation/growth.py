@@ -31,7 +31,8 @@ INFLATION = 1e-3
 """Share by which radii are larger while frictionless particles are pushed apart: none overlap once they are not."""
 PUSHED_APART = 2.0 * INFLATION / (1.0 + INFLATION) * (1.0 - 1e-9)
 """Overlap of the inflated particles over the smaller radius at which a stage ends; a hair less for rounding."""
-STAGE_STEPS = {"pushes": 2000, "relaxation": 400}
+STAGE_STEPS = {"pushes": 20_000, "relaxation": 400}
+"""At most: close to jamming thousands of pushes are needed, far from it some tens."""
 STAGE_BALANCE = 1e-2
 """Unbalanced ratio at which a stage with friction ends."""
 PRESSED = 0.1

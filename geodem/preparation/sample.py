@@ -120,7 +120,7 @@ class PreparedSample:
     @property
     def pressure(self) -> float:
         """Mean stress, pressing where positive [Pa]."""
-        return -float(np.trace(self.stress)) / self.dimension
+        return 0.0 - float(np.trace(self.stress)) / self.dimension
 
     def assembly(self, grains: Grains | None = None) -> Assembly:
         """The particles in their cell, at rest, of these grains or others; walls are left to `AssemblyBuilder`.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -195,6 +196,13 @@ def _table(rows: list[str], columns: int, place: str, printed: str) -> Floats:
         what = "numbers that are not finite" if table.shape[1:] == (columns,) else "columns that are absent"
         raise BackendError(f"{place}: {what}. {last_words(printed)}")
     return table
+
+
+def loop_seconds(printed: str) -> float:
+    """Seconds of all runs together, less those in which frames were written; nan where none is printed."""
+    times = re.findall(r"Loop time of (\S+) on", printed)
+    writing = re.findall(r"^Outpt\s+time \(%\) = (\S+)", printed, flags=re.M)
+    return sum(map(float, times)) - sum(map(float, writing)) if times else math.nan
 
 
 def last_loop_seconds(printed: str) -> float:

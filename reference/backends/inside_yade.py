@@ -58,6 +58,13 @@ class Run:
         self.clock: dict[str, float] = {}
         self.record = set(task["frames"])
         self.pairs_at = set(task["pairs_at"])
+        # a rising gravity is set anew every so many steps
+        self.ramp: dict[str, Any] = task.get("ramp") or {}
+        self.watched: list[tuple[float, ...]] = []
+        events = self.record | {task["warm_up"], task["steps"]}
+        if self.ramp:
+            events |= set(range(self.ramp["every"], task["steps"] + 1, self.ramp["every"]))
+        self.events = sorted(events - {0}, reverse=True)
 
     def material(self, row: int, *, frictional: bool = False) -> Any:
         """Material of a row of the table."""
@@ -116,6 +123,8 @@ class Run:
             NewtonIntegrator(damping=self.task["damping"], gravity=self.task["gravity"]),
             PyRunner(command="current.after_step()", iterPeriod=1, initRun=True),
         ]
+        if self.ramp:
+            O.engines[3].gravity = [0.0, 0.0, 0.0]
         O.dt = self.task["time_step"]
         self.bond(loop)
 
@@ -169,9 +178,33 @@ class Run:
         if done == self.task["steps"]:
             self.clock["end"] = time.perf_counter()
         if done in self.record:
+            begun = time.perf_counter()
             self.note(done)
+            if done != self.task["steps"]:
+                self.clock["noting"] += time.perf_counter() - begun
+        if self.ramp and done % self.ramp["every"] == 0:
+            self.raise_gravity(done)
         if done == self.task["warm_up"]:
             self.clock["begin"] = time.perf_counter()
+            self.clock["noting"] = 0.0
+        # not called again before something is to be done
+        while self.events and self.events[-1] <= done:
+            self.events.pop()
+        if self.events:
+            O.engines[-1].iterPeriod = self.events[-1] - done
+
+    def raise_gravity(self, done: int) -> None:
+        """Gravity in proportion to the steps done; cracks and the way of one particle so far."""
+        share = min(done / self.ramp["steps"], 1.0)
+        O.engines[3].gravity = [share * c for c in self.task["gravity"]]
+        law = O.engines[2].lawDispatcher.functors[0]
+        state = O.bodies[self.ramp["watched"]].state
+        moved = (state.pos - state.refPos).norm()
+        self.clock["end"] = time.perf_counter()
+        seconds = self.clock["end"] - self.clock["begin"]
+        self.watched.append((done, law.nbTensCracks + law.nbShearCracks, moved, seconds))
+        if moved > self.ramp["far"]:
+            O.pause()
 
     def note(self, step: int) -> None:
         """Keep a frame."""
@@ -213,7 +246,8 @@ class Run:
         }
         np.savez(
             path, format=FORMAT, version=yade.config.version, steps=np.array(sorted(self.record), dtype=int),
-            seconds=self.clock["end"] - self.clock["begin"], wall_forces=np.array(self.walls),
+            seconds=self.clock["end"] - self.clock["begin"] - self.clock["noting"],
+            wall_forces=np.array(self.walls), watched=np.array(self.watched).reshape(-1, 4),
             pairs=np.array(self.pairs).reshape(-1, 12),
             broken=np.array(sorted(self.broken.items()), dtype=int).reshape(-1, 2), **state,
         )  # fmt: skip
@@ -225,6 +259,7 @@ for number, task in enumerate(json.loads((folder / "tasks.json").read_text())):
     with np.load(folder / f"task-{number}.npz") as stored:
         current = Run(task, {name: stored[name] for name in stored})
     current.build()
+    current.clock["noting"] = 0.0
     current.clock["begin"] = time.perf_counter()
     O.run(task["steps"], True)
     current.save(folder / f"result-{number}.npz")

@@ -13,7 +13,16 @@ from pathlib import Path
 
 from ..posed import Posed, Trajectory
 from ..scenes import Scene
-from .granular_text import COLUMNS, SKIN, domain, last_loop_seconds, read_frames, spheres_of, write_particles
+from .granular_text import (
+    COLUMNS,
+    SKIN,
+    domain,
+    last_loop_seconds,
+    loop_seconds,
+    read_frames,
+    spheres_of,
+    write_particles,
+)
 from .liggghts_script import refuse_what_it_lacks, script_of, trajectory_of
 from .outcome import Outcome, Speed, speed
 from .program import TIMEOUT, BackendError, clean_environment, refuse, start
@@ -51,7 +60,8 @@ def run_posed(posed: Sequence[Posed], *, threads: int = 1, timeout: float = TIME
             begun = time.perf_counter()
             printed = start("LIGGGHTS", _command(threads), folder, clean_environment(), timeout)
             seconds = time.perf_counter() - begun
-            found.append(replace(trajectory_of(one, folder, printed, _version(printed)), seconds=seconds))
+            run = trajectory_of(one, folder, printed, _version(printed))
+            found.append(replace(run, seconds=seconds, loop_seconds=loop_seconds(printed)))
     return found
 
 

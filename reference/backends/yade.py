@@ -14,9 +14,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..posed import Posed, Trajectory
 from ..scenes import Scene
+from .answer import checked
 from .outcome import Outcome, Speed, speed
 from .program import TIMEOUT, BackendError, clean_environment, last_words, refuse, start
 from .yade_task import FORMAT, LAWS, RIGID, UNBREAKABLE, task_of, trajectory_of
@@ -53,6 +55,34 @@ def run_posed(posed: Sequence[Posed], *, threads: int = 1, timeout: float = TIME
         for one, (numbers, arrays), answer in zip(posed, tasks, answers, strict=True)
     ]
     return found if len(found) > 1 else [replace(one, seconds=seconds) for one in found]
+
+
+def run_ramp(
+    posed: Posed, *, every: int, watched: int, far: float, threads: int = 1, timeout: float = TIMEOUT
+) -> NDArray[np.float64]:
+    """Spheres in jointed_cohesive bonds under a gravity that rises with the steps, from nothing to all of it.
+
+    Parameters
+    ----------
+    posed : Posed
+    every : int
+        Steps between settings of gravity.
+    watched : int
+        A sphere; the run ends when it has gone `far` [m].
+
+    Returns
+    -------
+    (k, 4)
+        Steps done, bonds broken, way gone by the sphere [m] and seconds in the loop, every so many steps.
+    """
+    numbers, arrays = task_of(posed)
+    if numbers["law"] != "jointed":
+        raise refuse("YADE", "only the law of jointed_cohesive counts its broken bonds")
+    numbers |= {"frames": [], "pairs_at": []}
+    numbers["ramp"] = {"every": every, "steps": posed.steps, "watched": watched, "far": far}
+    (answer,), printed = _launch([(numbers, arrays)], threads, timeout)
+    checked("YADE", answer, {"watched": (len(answer.get("watched", ())), 4)}, printed)
+    return np.asarray(answer["watched"])
 
 
 def run(

@@ -280,4 +280,5 @@ def trajectory_of(posed: Posed, arrays: Arrays, found: Arrays, law: str, printed
             )
         ),
         start=start,
+        loop_seconds=float(found.get("seconds", math.nan)),
     )
