@@ -125,7 +125,7 @@ def test_geodem_moves_a_packing_as_the_others_do(name, bound):
 
 @pytest.mark.parametrize(("name", "spins_bound"), [("yade", 2e-4), ("lammps", 0.01)])
 def test_geodem_moves_a_bonded_block_as_the_others_do(name, spins_bound):
-    """YADE counts the motion of the step before the start; LAMMPS' spins are half a step older than geodem's."""
+    """YADE counts the motion of the step before the start; LAMMPS' spins are half a step later than geodem's."""
     installed(name)
     scene = scenes.bonded_block(60)
     scene = replace(scene, time_step=scene.time_step / 20.0)
