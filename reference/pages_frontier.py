@@ -41,8 +41,8 @@ PROBLEMS = {
     "pack": Problem(
         "Settling pack",
         "spheres at random that just do not touch, in a box, with friction of 0.5, until they rest under gravity; "
-        "distance from the code's own state at rest (ten times as many steps, or a balance of 1e-8) over the way "
-        "there. Each way to rest leads to a rest of its own: the error tells how near it is, not which is right.",
+        "distance from the code's own state at rest (after 2.5 times the most steps, or at a balance of 1e-8) over the "
+        "way there. Each way to rest leads to a rest of its own: the error tells how near it is, not which is right.",
     ),
     "cantilever": Problem(
         "Cantilever at rest",

@@ -32,9 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rounds", type=int, default=3, help="measurements of each run time")
     parser.add_argument("--pairs", type=int, default=500, help="collisions at once")
     parser.add_argument("--spheres", type=int, default=1000, help="of the pack")
-    parser.add_argument(
-        "--settle", type=int, default=3200, help="steps of the longest settling; ten times for the answer"
-    )
+    parser.add_argument("--settle", type=int, default=3200, help="steps of the pack that are timed")
     parser.add_argument("--long", type=int, default=20, help="free spheres of the cantilever at rest")
     parser.add_argument("--steps", type=int, default=32768, help="most steps until it rests")
     parser.add_argument("--free", type=int, default=8, help="free spheres of the cantilever that swings")
@@ -43,7 +41,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--ramps", nargs="*", type=int, default=[500, 1000, 2000, 4000, 8000, 16000], metavar="STEPS"
     )
-    parser.add_argument("--ramp-rounds", type=int, default=2)
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -81,6 +78,6 @@ def measure(problem: str, codes: list[str], given: argparse.Namespace) -> list[R
         "pack": lambda: motion.pack_rows(codes, given.spheres, given.settle, given.rounds),
         "cantilever": lambda: bonded.rest_rows(codes, given.long, given.steps, given.rounds),
         "swing": lambda: bonded.swing_rows(codes, given.free, given.periods, given.rounds),
-        "slope": lambda: slope.slope_rows(codes, given.height, given.ramps, given.ramp_rounds),
+        "slope": lambda: slope.slope_rows(codes, given.height, given.ramps, given.rounds),
     }
     return makers[problem]()

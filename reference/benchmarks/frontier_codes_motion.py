@@ -20,6 +20,7 @@ from .frontier_codes_runs import (
     CONVENTIONS,
     GEODEM,
     LIGGGHTS,
+    YADE,
     Floats,
     doubling,
     ending,
@@ -136,7 +137,7 @@ def collision_rows(codes: Sequence[str], pairs: int, rounds: int) -> list[Row]:
 
 # --- pack ---------------------------------------------------------------------------------------------------
 
-LOCAL_DAMPINGS = (0.3, 0.7)
+DAMPINGS = {"contact damping": 0.0, "local damping 0.3": 0.3, "local damping 0.7": 0.7}
 CONTACT_DAMPING = 0.3
 """Share of critical damping, in LIGGGHTS's contacts."""
 PACK_STEP = 0.25 * math.sqrt(0.8**3 * MASS / STIFFNESS)
@@ -144,10 +145,12 @@ TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
 TIGHT = 1e-8
 """Unbalanced ratio of the answer."""
 MOST_STEPS = 200_000
+LONGER = 10
+"""Steps of the run whose end is the answer, over those that are timed."""
 
 
 def pack(code: str, spheres: int) -> Assembly:
-    """Spheres at random, not quite touching, in a box that is open above."""
+    """Spheres at random, not quite touching, in a box that is open above; in LIGGGHTS's contacts there are dashpots."""
     law, numbers = contact(code, 0.5, CONTACT_DAMPING * 2.0 * math.sqrt(2.0 * STIFFNESS / MASS))
     b = AssemblyBuilder(3, law, gravity=(0.0, 0.0, -9.81))
     b.add_material("glass", density=DENSITY, contact=numbers)
@@ -173,9 +176,9 @@ def _until_free(packing: Packing) -> float:
 
 
 def settling(code: str, spheres: int, damping: float, steps: int, every: int = 0) -> Posed:
-    """The pack in motion, with local damping; in LIGGGHTS, which has none, with that of its contacts."""
-    local = 0.0 if code == LIGGGHTS else damping
-    posed = Posed("pack", pack(code, spheres), PACK_STEP, steps, CONVENTIONS[code], local_damping=local)
+    """The pack in motion, with local damping, or where that is 0 with the contacts of LIGGGHTS, which are damped."""
+    assembly = pack(code if damping > 0.0 else LIGGGHTS, spheres)
+    posed = Posed("pack", assembly, PACK_STEP, steps, CONVENTIONS[code], local_damping=damping)
     return ending(posed, PACK_STEP, steps, every)
 
 
@@ -191,33 +194,36 @@ def weight_errors(assembly: Assembly, upwards: Floats) -> Floats:
     return np.asarray(np.abs(upwards / weight - 1.0))
 
 
-def pack_rows(codes: Sequence[str], spheres: int, longest: int, rounds: int) -> list[Row]:
-    """Damped motion of all codes with more and more steps, and geodem's search for equilibrium."""
-    every = max(longest // 32, 1)
+def pack_rows(codes: Sequence[str], spheres: int, steps: int, rounds: int) -> list[Row]:
+    """Damped motion of all codes with more and more steps, and geodem's search for equilibrium.
+
+    Timed are the first `steps` steps; the time of more is taken to be in proportion.
+    """
+    every = max(steps // 32, 1)
     rows = []
-    for damping in LOCAL_DAMPINGS:
-        # LIGGGHTS has but one
-        those = [code for code in codes if code != LIGGGHTS or damping == LOCAL_DAMPINGS[0]]
-        timed = in_turn({code: [settling(code, spheres, damping, longest)] for code in those}, rounds)
+    for driver, damping in DAMPINGS.items():
+        # YADE has no dashpots in these contacts, LIGGGHTS no local damping
+        lacks = LIGGGHTS if damping > 0.0 else YADE
+        those = [code for code in codes if code != lacks]
+        timed = in_turn({code: [settling(code, spheres, damping, steps)] for code in those}, rounds)
         for code in those:
-            driver = "contact damping" if code == LIGGGHTS else f"local damping {damping:g}"
-            posed = settling(code, spheres, damping, 10 * longest, every)
+            posed = settling(code, spheres, damping, LONGER * steps, every)
             run = in_turn({code: [posed]}, 1)[code][0].run
-            rows += _settled(posed, run, driver, longest, timed[code][0].seconds)
+            rows += _settled(posed, run, driver, [s / steps for s in timed[code][0].seconds])
     return rows + equilibrium_rows(pack(GEODEM, spheres), rounds)
 
 
-def _settled(posed: Posed, run: Trajectory, driver: str, longest: int, seconds: Sequence[float]) -> list[Row]:
-    """Rows of one run, whose end is the answer; `seconds` are those of the first `longest` steps."""
+def _settled(posed: Posed, run: Trajectory, driver: str, per_step: Sequence[float]) -> list[Row]:
+    """Rows of one run, whose end is the answer; `per_step` are seconds of one step."""
     assert run.wall_forces is not None
     errors = from_then_on(place_errors(run.positions, posed.assembly.positions, run.positions[-1]))
     # the force on a wall is downwards where it carries
     weights = from_then_on(weight_errors(posed.assembly, -run.wall_forces.sum(axis=1)[:, 2]))
     return [
         point("pack", run.code, driver, steps, "steps", errors[steps // posed.every - 1],
-              [s * steps / longest for s in seconds], weight_error=float(weights[steps // posed.every - 1]),
+              [s * steps for s in per_step], weight_error=float(weights[steps // posed.every - 1]),
               version=run.version, law=run.law, particles=posed.assembly.particles)
-        for steps in doubling(posed.every, longest)
+        for steps in doubling(posed.every, posed.steps // 2)
     ]  # fmt: skip
 
 

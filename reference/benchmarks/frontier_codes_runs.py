@@ -6,6 +6,7 @@ and the noting of frames are left out, and told once for each code.
 
 from __future__ import annotations
 
+import math
 import os
 import subprocess
 import sys
@@ -46,13 +47,12 @@ class Measured(NamedTuple):
 def in_turn(scenes: Mapping[str, Sequence[Posed]], rounds: int) -> dict[str, list[Measured]]:
     """All scenes of all codes, code after code, so many times; runs are those of the first round."""
     found: dict[str, list[Measured]] = {}
-    if GEODEM in scenes:
-        # so that nothing is compiled on the way
-        posed_first = scenes[GEODEM][0]
-        RUNS[GEODEM]([ending(posed_first, posed_first.time_step, 1)])
     for turn in range(rounds):
         for code, posed in scenes.items():
             runs = RUNS[code](posed)
+            if any(math.isnan(run.loop_seconds) for run in runs):
+                # something was compiled on the way
+                runs = RUNS[code](posed)
             if turn == 0:
                 found[code] = [Measured(run, []) for run in runs]
             for one, run in zip(found[code], runs, strict=True):

@@ -197,7 +197,7 @@ def slope_rows(codes: Sequence[str], height: int, ramps: Sequence[int], rounds: 
     }
     runs = {code: run for code, run in runs.items() if code in codes}
     if GEODEM in runs:
-        runs[GEODEM](rising(assembly, top, EVERY, GEODEM))
+        runs[GEODEM](rising(assembly, top, min(ramps), GEODEM))
     rows = []
     for steps in ramps:
         found: dict[str, list[Found]] = {code: [] for code in runs}

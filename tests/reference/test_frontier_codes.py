@@ -100,7 +100,7 @@ def test_errors_count_from_then_on():
 
 
 def test_what_rests_carries_its_weight():
-    posed = motion.settling("liggghts", 100, 0.3, 100)
+    posed = motion.settling("geodem", 100, 0.3, 100)
     assembly = replace(posed.assembly)
     weight = 9.81 * assembly.mass.sum()
     assert motion.weight_errors(assembly, np.array([weight, 0.9 * weight])) == pytest.approx([0.0, 0.1])
