@@ -73,6 +73,19 @@ LAWS: dict[str, tuple[str, str, Mapping[str, float], Mapping[str, float]]] = {
 }
 """Contact law, bond law and their numbers with which geodem is compared: the same stiffnesses in both."""
 
+_CEMENT = math.sqrt(4.0 * BENDING / NORMAL)  # [m]
+CEMENT = {
+    "radius_factor": _CEMENT / RADIUS,
+    "normal_stiffness": NORMAL / (math.pi * _CEMENT**2),
+    "shear_stiffness": SHEAR / (math.pi * _CEMENT**2),
+    "tensile_strength": STRONG / RADIUS**2,
+    "shear_strength": STRONG / RADIUS**2,
+}
+"""Parallel bond whose section gives the stiffnesses in tension, shear and bending; that in twist follows."""
+CEMENT_TWISTING = 0.5 * SHEAR * _CEMENT**2  # [N m/rad]
+SOFT = {"normal_stiffness": 1e-9 * NORMAL, "shear_stiffness": 1e-9 * SHEAR, "friction_coefficient": 0.5}
+"""Contact beside a parallel bond, which must not count."""
+
 
 @dataclass(frozen=True)
 class Load:
@@ -148,9 +161,16 @@ def column(across: int, along: int) -> tuple[Floats, Integers]:
     return 2.0 * RADIUS * (cells - [0.0, middle, middle]), np.array(pairs, dtype=np.int64)
 
 
-def beam(code: str, load: Load, *, across: int = 3, along: int = 20, convention: str | None = None) -> Beam:
-    """A beam in the law that a code has, in that code's convention unless another is given."""
-    contact_law, bond_law, contact, bond = LAWS[code]
+def beam(
+    code: str,
+    load: Load,
+    *,
+    across: int = 3,
+    along: int = 20,
+    law: tuple[str, str, Mapping[str, float], Mapping[str, float]] | None = None,
+) -> Beam:
+    """A beam in the convention of a code and in the law that it has, or in another `law` with its numbers."""
+    contact_law, bond_law, contact, bond = law or LAWS[code]
     b = AssemblyBuilder(3, contact_law, bond_law)
     b.add_material("rock", density=DENSITY, contact=contact, bond=bond)
     positions, pairs = column(across, along)
@@ -179,7 +199,7 @@ def beam(code: str, load: Load, *, across: int = 3, along: int = 20, convention:
     posed = Posed(
         name=f"beam of {len(positions)} spheres, {load.name}, {bond_law}", assembly=b.build(), time_step=TIME_STEP,
         steps=load.steps // every * every, first=every, every=every, pairs_at=(),
-        convention=convention or ("yade" if code == "yade" else "geodem"), quantities=("positions",),
+        convention="yade" if code == "yade" else "geodem", quantities=("positions",),
         bound=STIFFNESS_BOUND,
     )  # fmt: skip
     return Beam(posed, load, size, motion)
@@ -227,15 +247,32 @@ def rows_of(one: Beam, ours: Trajectory, theirs: Trajectory) -> list[Row]:
     ]  # fmt: skip
 
 
+def cemented(load: Load, **shape: Any) -> tuple[Beam, Beam]:
+    """A beam of parallel bonds for geodem, and one for YADE whose moments have the same stiffnesses."""
+    ours = beam("geodem", load, law=("linear_frictional", "parallel_bond", SOFT, CEMENT), **shape)
+    contact_law, bond_law, contact, bond = LAWS["yade"]
+    twisting = {"twisting_factor": CEMENT_TWISTING / (RADIUS**2 * SHEAR)}
+    return ours, beam("yade", load, law=(contact_law, bond_law, contact, {**bond, **twisting}), **shape)
+
+
 def compare(codes: Sequence[str], **shape: Any) -> list[Row]:
-    """Rows of all loads; with YADE in geodem's own convention as well as in YADE's."""
+    """Rows of all loads; with YADE in its convention, in geodem's own, and with geodem's parallel bond."""
+    loads = (DRAWN, TWISTED, BENT)
     rows = []
     for code in codes:
-        beams = [beam(code, load, **shape) for load in (DRAWN, TWISTED, BENT)]
-        theirs = BACKENDS[code].run_posed([one.posed for one in beams])
-        for convention in ("yade", "geodem") if code == "yade" else ("geodem",):
-            own = [replace(one.posed, convention=convention) for one in beams]
-            for one, posed, mine, yours in zip(beams, own, run_posed(own), theirs, strict=True):
-                name = posed.name + (", own convention" if code == "yade" and convention == "geodem" else "")
-                rows += rows_of(replace(one, posed=replace(posed, name=name)), mine, yours)
+        beams = [beam(code, load, **shape) for load in loads]
+        pairs = [(one, one.posed) for one in beams]
+        if code == "yade":
+            for one in beams:
+                own = replace(one.posed, convention="geodem", name=f"{one.posed.name}, own convention")
+                pairs.append((replace(one, posed=own), one.posed))
+            for load in loads:
+                ours, theirs = cemented(load, **shape)
+                pairs.append((ours, theirs.posed))
+        # a scene that is asked of the other code twice is run once
+        asked = list({id(posed): posed for _, posed in pairs}.values())
+        found = dict(zip(map(id, asked), BACKENDS[code].run_posed(asked), strict=True))
+        mine = run_posed([one.posed for one, _ in pairs])
+        for (one, posed), run in zip(pairs, mine, strict=True):
+            rows += rows_of(one, run, found[id(posed)])
     return rows

@@ -71,6 +71,15 @@ def test_a_beam_swings_in_another_code_as_in_geodem(code):
         assert rows[2].difference < APART[code], rows[2]
 
 
+def test_a_parallel_bond_has_the_stiffnesses_it_is_matched_by():
+    """kn A, ks A, kn I and ks J of a round section are those of the springs of the other laws."""
+    numbers, area = beam.CEMENT, np.pi * (beam.CEMENT["radius_factor"] * beam.RADIUS) ** 2
+    assert numbers["normal_stiffness"] * area == pytest.approx(beam.NORMAL)
+    assert numbers["shear_stiffness"] * area == pytest.approx(beam.SHEAR)
+    assert numbers["normal_stiffness"] * area**2 / (4.0 * np.pi) == pytest.approx(beam.BENDING)
+    assert numbers["shear_stiffness"] * area**2 / (2.0 * np.pi) == pytest.approx(beam.CEMENT_TWISTING)
+
+
 def test_a_beam_of_other_stiffness_is_seen():
     one = beams("lammps")[1]
     table = one.posed.assembly.bond_table * 1.002
