@@ -30,7 +30,7 @@ from .settling import state_rows
 CODES = ("yade", "liggghts")
 SEEDS = (1, 2, 3)
 COUNT = 5000
-WIDTH = 18.0  # of the column in mean diameters
+WIDTH = 18.0  # of the column in mean diameters; a multiple of FLOOR_SPACING
 SLOT = 6.0  # between the smooth walls
 FAR = 84.0  # to where the floor goes
 FLOOR_SPACING = 1.2
@@ -126,12 +126,14 @@ def settled(seed: int, shape: Shape) -> tuple[tuple[Floats, Floats], Floats, Flo
     )  # fmt: skip
     lowest = np.argsort(found.positions[:, 2])[: shape.count]
     places, radii = found.positions[lowest], found.radii[lowest]
-    assembly = slot("yade", ground, places, radii, shape, gate=True)
+    # a whole number of held grains stands before the gate, and none in it
+    before = ground[0][:, 0] < shape.width * DIAMETER
+    assembly = slot("yade", (ground[0][before], ground[1][before]), places, radii, shape, gate=True)
     simulation = ParticleSimulation(
         assembly, time_step=grains.TIME_STEP, local_damping=grains.LOCAL_DAMPING, orientation=False
     )
     simulation.run(math.ceil(shape.settling * UNIT_TIME / grains.TIME_STEP))
-    return ground, simulation.positions[len(ground[1]) :].copy(), radii
+    return ground, simulation.positions[int(before.sum()) :].copy(), radii
 
 
 def column(code: str, seed: int, shape: Shape = SHAPE, *, friction: float = grains.FRICTION) -> Posed:

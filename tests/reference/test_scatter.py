@@ -138,13 +138,13 @@ def test_two_hundred_spheres_settle_alike(code):
 
 def test_a_column_stands_on_its_floor_behind_its_gate():
     """Positions handed over lie in the slot, and those of the floor are held."""
-    shape = column.Shape(count=150, width=4.0, slot=5.0, far=14.0, settling=2.0, duration=2.0)
+    shape = column.Shape(count=150, width=4.8, slot=5.0, far=14.0, settling=2.0, duration=2.0)
     posed = column.column("yade", 1, shape)
     a = posed.assembly
     held = a.held.all(axis=1)
     assert (~held).sum() == 150
     moving = a.positions[~held] / grains.DIAMETER
-    assert moving[:, 0].max() < 4.0
+    assert moving[:, 0].max() < 4.8
     assert moving[:, 1].min() > 0.0
     assert moving[:, 1].max() < 5.0
     assert (moving[:, 2] > -0.1).all()
