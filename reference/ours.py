@@ -12,6 +12,7 @@ from geodem._version import __version__
 from geodem.assembly import Assembly
 from geodem.boundaries import walls
 from geodem.builders.assembly_builder import AssemblyBuilder
+from geodem.laws.convention import CONVENTIONS
 from geodem.particle_simulation import ParticleSimulation
 
 from .backends.outcome import Outcome, Speed, speed
@@ -32,19 +33,31 @@ _BESIDE = 1e-6
 
 
 def run(
-    scene: Scene, steps: int, *, threads: int = 1, warm_up: int = 0, every: int = 0, damping: float = 0.0
+    scene: Scene,
+    steps: int,
+    *,
+    threads: int = 1,
+    warm_up: int = 0,
+    every: int = 0,
+    damping: float = 0.0,
+    convention: str = "geodem",
 ) -> Outcome:
     """`warm_up` steps, then `steps` timed ones; frames every `every` steps (0: the last only).
 
-    `damping` is the local one. Velocities are half a step back. Building and compiling do not count. Raises
-    BackendError where geodem's laws cannot stand for the scene.
+    `damping` is the local one, `convention` a name in `geodem.laws.convention.CONVENTIONS`: codes that begin with the
+    scene's velocities half a step back count that half step's slip, others do not. Velocities are half a step back.
+    Building and compiling do not count. Raises BackendError where geodem's laws cannot stand for the scene.
     """
-    law, assembly = _assembly(scene)
+    law, assembly = _assembly(scene, CONVENTIONS[convention].VELOCITIES_BEFORE)
     before = threads_allowed()
     set_threads(threads)
     try:
         simulation = ParticleSimulation(
-            assembly, time_step=scene.time_step, local_damping=damping, orientation=False
+            assembly,
+            time_step=scene.time_step,
+            local_damping=damping,
+            orientation=False,
+            convention=convention,
         )
         simulation.kernel(simulation.features)
         simulation.run(warm_up)
@@ -81,8 +94,8 @@ def simulation_of(scene: Scene, *, damping: float = 0.0) -> ParticleSimulation:
     )
 
 
-def _assembly(scene: Scene) -> tuple[str, Assembly]:
-    """Name of the laws, and the assembly; geodem, too, begins with the velocities at the start."""
+def _assembly(scene: Scene, velocities_before: bool = False) -> tuple[str, Assembly]:
+    """Name of the laws, and the assembly, with the velocities at the start or half a step before it."""
     d, bonds = scene.dimension, scene.bonds
     moments = bonds is not None and d == 3
     law = "frictional" if bonds is None else "moments" if moments else "planar"
@@ -98,7 +111,8 @@ def _assembly(scene: Scene) -> tuple[str, Assembly]:
         "friction_coefficient": scene.friction,
     }
     builder.add_material("grain", density=scene.density, contact=contact, bond=_bond(scene))
-    velocities, spins = scene.velocities_at_start(), scene.spins
+    velocities = scene.velocities if velocities_before else scene.velocities_at_start()
+    spins = scene.spins
     # discs weigh by the metre; these weigh what the scene's spheres do
     density = scene.mass / (np.pi * scene.radii**2) if d == 2 else scene.density
     builder.add_particles(

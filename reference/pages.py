@@ -18,6 +18,9 @@ from typing import Any
 from reference.pages_compare import COMPARED, compared_sections
 from reference.pages_engine import PICTURE as ENGINE_PICTURE
 from reference.pages_engine import SECTIONS, engine_part, write_engine_picture
+from reference.pages_frontier import NAME as FRONTIER
+from reference.pages_frontier import PICTURE as FRONTIER_PICTURE
+from reference.pages_frontier import frontier_part, write_frontier_picture
 from reference.pages_particles import particle_sections
 from reference.pages_tables import DILATIONS, METHODS, Row, by_case, groups, number, sizes, table
 
@@ -84,15 +87,24 @@ def write_pages(results: Path = RESULTS, docs: Path = DOCS) -> list[Path]:
     engine = {section.name: read_results(results / f"{section.name}.json") for section in SECTIONS}
     docs.mkdir(parents=True, exist_ok=True)
     drawn = write_engine_picture(engine["frontier"].rows, docs / ENGINE_PICTURE)
+    codes = read_results(results / f"{FRONTIER}.json")
+    codes_drawn = write_frontier_picture(codes.rows, docs / FRONTIER_PICTURE)
     texts = {
         docs / "verification.md": verification_page(
             slopes, ground, lambda name: read_results(results / f"{name}.json"), _other_comparisons(results)
         ),
-        docs / "performance.md": performance_page(slopes) + "\n" + engine_page(engine, picture=drawn),
+        docs / "performance.md": "\n".join(
+            [
+                performance_page(slopes),
+                engine_page(engine, picture=drawn),
+                *frontier_part(codes.rows, _header(codes), NOT_RUN, picture=codes_drawn),
+            ]
+        ),
     }
     for path, text in texts.items():
         path.write_text(text, encoding="utf-8")
     written = [*texts, *([docs / ENGINE_PICTURE] if drawn else [])]
+    written += [docs / FRONTIER_PICTURE] if codes_drawn else []
     picture = docs / PICTURE
     if _plottable(slopes.rows):
         from reference.pages_chart import error_against_time

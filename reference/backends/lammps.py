@@ -57,7 +57,8 @@ def run_posed(posed: Sequence[Posed], *, threads: int = 1, timeout: float = TIME
             begun = time.perf_counter()
             printed = _launch(folder, threads, timeout)
             seconds = time.perf_counter() - begun
-            found.append(replace(trajectory_of(one, folder, printed, _version(printed)), seconds=seconds))
+            run = trajectory_of(one, folder, printed, _version(printed))
+            found.append(replace(run, seconds=seconds, loop_seconds=last_loop_seconds(printed)))
     return found
 
 

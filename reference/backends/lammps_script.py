@@ -29,6 +29,7 @@ FRICTIONAL = (
     "overlap; velocity Verlet"
 )
 BONDED = "bpm/rotational without damping, bonded pairs without contact; " + FRICTIONAL
+FORCES, FORCES_TOLD = " fx fy fz", " f_told[1] f_told[2] f_told[3]"
 BOND_NUMBERS = (
     "normal_stiffness", "shear_stiffness", "twisting_stiffness", "bending_stiffness",
     "tensile_strength", "shear_strength", "twisting_strength", "bending_strength",
@@ -123,13 +124,18 @@ def script_of(posed: Posed) -> str:
             ends = f"{place!r} NULL" if sense > 0 else f"NULL {place!r}"
             law = _contact(np.array(wall.contact[a.material_names[0]], dtype=float))
             lines.append(f"fix wall{k}x{one} all wall/gran granular {law} {'xyz'[axis]}plane {ends} contacts")
-    lines += [*held_lines(a, "LAMMPS"), f"fix move all {'nve/bpm/sphere' if bonded else 'nve/sphere'}"]
+    lines += held_lines(a, "LAMMPS")
+    held = next((k for k, line in enumerate(lines) if line.startswith("fix hold")), len(lines))
+    lines.insert(held, "fix told all store/force")
+    lines += [f"fix move all {'nve/bpm/sphere' if bonded else 'nve/sphere'}"]
     columns = columns_of(walls)
     # forces of a wall stand in the columns 2 to 4 of its array
     told = columns
     for name in walls:
         for c in (3, 2, 1):
             told = told.replace(f"{name}[{c}]", f"{name}[{c + 1}]")
+    # as they are before those of held freedoms are set to zero
+    told = told.replace(FORCES, FORCES_TOLD)
     lines += [
         "thermo 1000000",
         "thermo_modify lost error",
@@ -155,8 +161,8 @@ def trajectory_of(posed: Posed, folder: Path, printed: str, version: str) -> Tra
     a = posed.assembly
     names = wall_names(a)
     path = folder / "frames.txt"
-    if names and path.exists():
-        text = path.read_text()
+    if path.exists():
+        text = path.read_text().replace(FORCES_TOLD, FORCES)
         for name in names:
             for c in (1, 2, 3):
                 text = text.replace(f"{name}[{c + 1}]", f"{name}[{c}]")

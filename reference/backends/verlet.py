@@ -42,7 +42,7 @@ def spheres_of_assembly(posed: Posed, types: int) -> Spheres:
         * time
         * (float(np.abs(a.velocities).max(initial=0.0)) + time * float(np.abs(a.gravity).max(initial=0.0)))
     )
-    low, high = low - way, high + way
+    low, high = _within_planes(a, low, low - way, high, high + way)
     if a.dimension == 2:
         low[2], high[2] = -SPAN, SPAN
     volume = np.pi * a.radii**2 if a.dimension == 2 else 4.0 / 3.0 * np.pi * a.radii**3
@@ -50,6 +50,21 @@ def spheres_of_assembly(posed: Posed, types: int) -> Spheres:
         positions, three(a.velocities), about_z(a.spins), a.radii, a.mass / volume, a.material.astype(np.int64) + 1,
         types, low, high, a.bonds.astype(np.int64).reshape(-1, 2),
     )  # fmt: skip
+
+
+def _within_planes(
+    a: Assembly, low: Floats, lowest: Floats, high: Floats, highest: Floats
+) -> tuple[Floats, Floats]:
+    """The wide corners, but for sides that a plane closes: there the near ones do, and cells to search stay few."""
+    corners = lowest.copy(), highest.copy()
+    for wall in a.walls:
+        for _, normal in wall.planes:
+            axis = int(np.argmax(np.abs(normal)))
+            if normal[axis] > 0.0:
+                corners[0][axis] = low[axis]
+            else:
+                corners[1][axis] = high[axis]
+    return corners
 
 
 def refuse_half_held(a: Assembly, code: str) -> None:

@@ -58,7 +58,7 @@ def run_posed(posed: Sequence[Posed], *, threads: int = 1, timeout: float = TIME
 
 
 def run_ramp(
-    posed: Posed, *, every: int, watched: int, far: float, threads: int = 1, timeout: float = TIMEOUT
+    posed: Posed, *, every: int, until: int, threads: int = 1, timeout: float = TIMEOUT
 ) -> NDArray[np.float64]:
     """Spheres in jointed_cohesive bonds under a gravity that rises with the steps, from nothing to all of it.
 
@@ -67,21 +67,21 @@ def run_ramp(
     posed : Posed
     every : int
         Steps between settings of gravity.
-    watched : int
-        A sphere; the run ends when it has gone `far` [m].
+    until : int
+        Broken bonds with which the run ends.
 
     Returns
     -------
-    (k, 4)
-        Steps done, bonds broken, way gone by the sphere [m] and seconds in the loop, every so many steps.
+    (k, 3)
+        Steps done, bonds broken and seconds in the loop, every so many steps.
     """
     numbers, arrays = task_of(posed)
     if numbers["law"] != "jointed":
         raise refuse("YADE", "only the law of jointed_cohesive counts its broken bonds")
     numbers |= {"frames": [], "pairs_at": []}
-    numbers["ramp"] = {"every": every, "steps": posed.steps, "watched": watched, "far": far}
+    numbers["ramp"] = {"every": every, "steps": posed.steps, "until": until}
     (answer,), printed = _launch([(numbers, arrays)], threads, timeout)
-    checked("YADE", answer, {"watched": (len(answer.get("watched", ())), 4)}, printed)
+    checked("YADE", answer, {"watched": (len(answer.get("watched", ())), 3)}, printed)
     return np.asarray(answer["watched"])
 
 

@@ -18,9 +18,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import NamedTuple
 
-from geodem.laws.convention import CONVENTIONS
-
 from geodem.laws import BOND_LAWS, CONTACT_LAWS
+from geodem.laws.convention import CONVENTIONS
 
 from ..backends import BACKENDS
 from ..ours_posed import run_posed

@@ -1,4 +1,4 @@
-"""TRUBAL's and TPM's triaxial tests: `python -m reference run trubal`; draws docs/pictures/trubal_rowe.png.
+"""TRUBAL's and TPM's triaxial tests: `python -m reference run trubal`; draws docs/pictures/trubal_*.png.
 
 The peaks of the finite sample of Cui and O'Sullivan (2005) are numbers of another simulation, of a part of a cylinder
 that is periodic around its axis, with a membrane that follows the outer spheres. Ours are Cundall's and Rowe's whole
@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from . import trubal_random
 from .rows import Row, at_most, relative
 from .trubal_rowe import CUNDALL, FRICTION, ROWE, Layers, Loading, load, prism, theory, uniform_strain
 
@@ -131,8 +132,18 @@ def draw(curves: dict[str, Loading], peaks: dict[str, dict[float, float]], path:
         path.write_bytes(png(figure))
 
 
+def random_spheres() -> list[Row]:
+    """The random assembly in its periodic cell: every seed at two rates."""
+    runs = {
+        seed: (trubal_random.triaxial(seed), trubal_random.triaxial(seed, slower=2))
+        for seed in trubal_random.SEEDS
+    }
+    (PICTURES / "trubal_random.png").write_bytes(trubal_random.draw(runs))
+    return [row for seed, (run, half) in runs.items() for row in trubal_random.rows_of(seed, run, half)]
+
+
 def run() -> list[Row]:
-    """Rowe's samples."""
+    """Rowe's samples and the random one."""
     rows: list[Row] = []
     curves, peaks = {}, {}
     for name, layers in SAMPLES.items():
@@ -145,4 +156,4 @@ def run() -> list[Row]:
                 float((few / many).max()), 1.0, 0.0, "the share of the boundary falls with the size")
     )  # fmt: skip
     draw(curves, peaks, PICTURES / "trubal_rowe.png")
-    return rows
+    return [*rows, *random_spheres()]

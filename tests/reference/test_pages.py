@@ -224,6 +224,51 @@ def test_what_the_engine_is_held_to(tmp_path):
         assert picture.width > 300
 
 
+def test_run_time_against_error_of_several_codes(tmp_path):
+    from PIL import Image
+
+    results, docs = tmp_path / "results", tmp_path / "docs"
+    results.mkdir()
+
+    def row(code, driver, setting, error, seconds, **details):
+        about = {
+            "problem": "pack",
+            "code": code,
+            "driver": driver,
+            "setting": setting,
+            "setting_unit": "steps",
+        }
+        name = f"{code} {driver} {setting}"
+        return _check(name, error, **about, seconds=seconds, weight_error=0.5, **details)
+
+    nan = float("nan")
+    rows = [
+        row("geodem", "slow", 100, 0.5, [1.0, 1.0, 9.0]),
+        row("geodem", "slow", 200, 0.01, [2.0, 2.0, 9.0]),
+        row("geodem", "quick", 1, 0.002, [3.0]),
+        row("yade", "slow", 200, 0.005, [6.0, 8.0, 7.0]),
+        row("liggghts", "slow", 200, 0.02, [0.1]),
+        # a run that never came to its answer
+        row("liggghts", "slow", 400, nan, [nan]),
+        {**_check("start", 2.0), "problem": "start", "code": "yade"},
+    ]
+    (results / "frontier-codes.json").write_text(json.dumps({"header": HEADER, "rows": rows}))
+    assert docs / "pictures" / "codes_error_against_time.png" in write_pages(results, docs)
+    page = docs / "performance.md"
+    (said,) = [line for line in page.read_text().splitlines() if line.startswith("- **Settling pack**")]
+    # the median of 2, 2 and 9; 7 over 2
+    assert (
+        "To 1 % geodem is the fastest (slow, 2 s); YADE (slow) takes 3.5 times as long; LIGGGHTS does not reach it. "
+        "No code reaches 0.1 %."
+    ) in said
+    assert _tables_below(page, "Start") == [["YADE", "2"]]
+    curve = _tables_below(page, "All points")
+    assert len(curve) == 5
+    assert curve[1] == ["pack", "geodem", "slow", "200 steps", "2", "0.01", "0.5"]
+    with Image.open(docs / "pictures" / "codes_error_against_time.png") as picture:
+        assert picture.width > 300
+
+
 def test_nothing_was_run(tmp_path):
     docs = tmp_path / "docs"
     (docs / "pictures").mkdir(parents=True)
