@@ -49,8 +49,8 @@ def test_no_two_overlap_and_all_lie_inside(dimension, sizes, fraction, periodic)
     assert smallest_gap(packing) < 0.01 * packing.radii.mean()
 
 
-# Zhang & Torquato (2013), Phys. Rev. E 88:053312. Numbers of particles in saturated boxes scatter by about a quarter of a
-# root of their number, the structure factor at the origin being near 0.06: 0.12 % in 2D and 0.17 % in 3D
+# Zhang & Torquato (2013), Phys. Rev. E 88:053312. Numbers of particles in saturated boxes scatter by about a quarter of
+# a root of their number, the structure factor at the origin being near 0.06: 0.12 % in 2D and 0.17 % in 3D
 @pytest.mark.parametrize(
     ("dimension", "count", "asked", "saturated"),
     [(2, 40_000, 0.551, 0.5470735), (3, 20_000, 0.388, 0.3841307)],
