@@ -30,9 +30,9 @@ from .settling import state_rows
 CODES = ("yade", "liggghts")
 SEEDS = (1, 2, 3)
 COUNT = 5000
-WIDTH = 18.0  # of the column in mean diameters; a multiple of FLOOR_SPACING
+WIDTH = 24.0  # of the column in mean diameters; a multiple of FLOOR_SPACING
 SLOT = 6.0  # between the smooth walls
-FAR = 84.0  # to where the floor goes
+FAR = 96.0  # to where the floor goes
 FLOOR_SPACING = 1.2
 SETTLING = 12.0  # time in sqrt(d/g)
 DURATION = 30.0  # five times what a grain needs to fall from the top

@@ -13,7 +13,10 @@ if TYPE_CHECKING:
 
 PICTURE = Path(__file__).parents[2] / "docs" / "pictures" / "compare_column.png"
 NAMES = {"geodem": "geodem", "yade": "YADE", "liggghts": "LIGGGHTS"}
-COLOURS = {"geodem": "#0072b2", "yade": "#d55e00", "liggghts": "#009e73"}
+COLOURS = {
+    ("yade", "geodem"): "#0072b2", ("yade", "yade"): "#d55e00",
+    ("liggghts", "geodem"): "#8a3b78", ("liggghts", "liggghts"): "#009e73",
+}  # fmt: skip
 TITLES = {"yade": "Local damping", "liggghts": "Dashpots in the contacts"}
 
 
@@ -37,7 +40,7 @@ def draw(rows: Sequence[Mapping[str, Any]], width: float, step: float, path: Pat
             for code in ("geodem", other):
                 heights = _curves(rows, other, code, "height")
                 places = (np.arange(heights.shape[1]) + 0.5) * step
-                _band(axes, places, heights, code, dashed=code != "geodem")
+                _band(axes, places, heights, (other, code))
             axes.axvline(width, color="#5f6c7b", linewidth=0.8, linestyle=":")
             axes.set_title(TITLES[other])
             axes.set_xlabel("distance from the back wall / d")
@@ -47,14 +50,7 @@ def draw(rows: Sequence[Mapping[str, Any]], width: float, step: float, path: Pat
             for code in ("geodem", other):
                 times = _curves(rows, other, code, "times")[0]
                 label = f"{NAMES[code]}, {TITLES[other].lower()}"
-                _band(
-                    last,
-                    times,
-                    _curves(rows, other, code, "front"),
-                    code,
-                    dashed=code != "geodem",
-                    label=label,
-                )
+                _band(last, times, _curves(rows, other, code, "front"), (other, code), label)
         last.set_title("Front (95th percentile)")
         last.set_xlabel("time / sqrt(d/g)")
         last.set_ylabel("distance / width of the column")
@@ -76,12 +72,10 @@ def _reach(rows: Sequence[Mapping[str, Any]], step: float) -> float:
     return float((np.flatnonzero(heights.max(axis=0) > 0.01).max() + 2) * step)
 
 
-def _band(
-    axes: Axes, x: np.ndarray, y: np.ndarray, code: str, *, dashed: bool, label: str | None = None
-) -> None:
-    """The mean of the seeds, and all between the lowest and the highest."""
-    axes.fill_between(x, y.min(axis=0), y.max(axis=0), color=COLOURS[code], alpha=0.25, linewidth=0.0)
+def _band(axes: Axes, x: np.ndarray, y: np.ndarray, key: tuple[str, str], label: str | None = None) -> None:
+    """The mean of the seeds, and all between the lowest and the highest; `key`: beside which code, and whose."""
+    axes.fill_between(x, y.min(axis=0), y.max(axis=0), color=COLOURS[key], alpha=0.25, linewidth=0.0)
     axes.plot(
-        x, y.mean(axis=0), color=COLOURS[code], linestyle="--" if dashed else "-", linewidth=1.6,
-        label=label or NAMES[code],
+        x, y.mean(axis=0), color=COLOURS[key], linestyle="-" if key[1] == "geodem" else "--", linewidth=1.6,
+        label=label or NAMES[key[1]],
     )  # fmt: skip
