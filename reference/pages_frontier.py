@@ -118,8 +118,9 @@ def frontier_part(rows: Sequence[Row], header: str, not_run: str, *, picture: bo
         lines = [[CODES.get(row["code"], row["code"]), number(row["measured"], 3)] for row in starts]
         parts += [
             "### Start\n",
-            "Seconds of a run beside its loop: start of the program, reading and building the scene, the answer. A "
-            "kernel of geodem is compiled once for each combination of laws and features and then kept on disk.\n",
+            "Seconds of a run beside its loop: start of the program, reading and building the scene, the answer. "
+            "geodem compiles its search for neighbours once, and a kernel for each combination of laws and features, "
+            "and keeps both on disk.\n",
             table(["code", "seconds"], lines),
         ]
     parts += ["### All points\n", _all(rows)]

@@ -103,8 +103,8 @@ def starts(scenes: Mapping[str, Posed], rounds: int) -> list[Row]:
         rows.append(check(f"start, {code}", found, unit="s", problem="start", code=code, version=run.version))
     rows.append(
         check(
-            f"start, {GEODEM}, its kernel not yet on disk", [_compiled_anew(scenes[GEODEM])], unit="s",
-            problem="start", code=f"{GEODEM}, its kernel not yet on disk", version=run.version,
+            f"start, {GEODEM}, nothing compiled yet", [_compiled_anew(scenes[GEODEM])], unit="s",
+            problem="start", code=f"{GEODEM}, nothing compiled yet", version=run.version,
         )
     )  # fmt: skip
     return rows
