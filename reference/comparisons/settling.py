@@ -92,7 +92,7 @@ def compare(
         ours = [measured(one, run) for one, run in zip(scenes, our_runs, strict=True)]
         theirs = [measured(one, run) for one, run in zip(scenes, their_runs, strict=True)]
         about: dict[str, Any] = {
-            "scene": f"{count:,} spheres settle, {grains.SAID[code]}", "code": code, "version": their_runs[0].version,
+            "scene": f"{count:,} spheres settle, {grains.said(code)}", "code": code, "version": their_runs[0].version,
             "law": their_runs[0].law, "steps": scenes[0].steps, "particles": count,
             "seconds": sum(run.seconds for run in our_runs),
         }  # fmt: skip
@@ -133,7 +133,7 @@ def state_rows(about: dict[str, Any], ours: Sequence[AtRest], theirs: Sequence[A
     """Whether all is at rest, and how far contacts overlap."""
     both = [*ours, *theirs]
     said = {
-        "kinetic energy of a grain at the end over m g d, largest in both codes": (
+        "kinetic energy of the slowest 95 % of the grains over m g d, each; largest in both codes": (
             max(one.kinetic for one in both),
             grains.AT_REST,
         ),
