@@ -66,10 +66,11 @@ COMPARED = (
     Group(
         "column",
         "A column of five thousand spheres collapses",
-        "The grains of the box above stand as a column, 18 mean diameters wide, in a slot of 6 between smooth "
+        "The grains of the box above stand as a column, 24 mean diameters wide, in a slot of 6 between smooth "
         "walls, on a floor of held spheres. geodem lets them settle behind a gate; all codes begin with these "
-        "positions, at rest, and without the gate. Bounds as above. Lines are means of three seeds, bands reach "
-        "from the lowest to the highest.\n\n"
+        "positions, at rest, and without the gate. Local damping is 0.02 only: it holds back what flows by a share "
+        "of the forces on it, which grow with the pressure. Bounds as above. Lines are means of three seeds, bands "
+        "reach from the lowest to the highest.\n\n"
         "![Collapsed columns](pictures/compare_column.png)",
     ),
 )

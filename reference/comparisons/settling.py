@@ -28,7 +28,7 @@ SEEDS = (1, 2, 3)
 COUNT = 3000
 SIDE = 14.0  # of the box in mean diameters
 LOOSE = 0.25  # solid fraction of the start
-DURATION = {"yade": 28.0, "liggghts": 60.0}
+DURATION = {"yade": 28.0, "liggghts": 84.0}
 """In sqrt(d/g). They have fallen after 10; then the heap swings as a whole, which dashpots damp slowly."""
 CORE = (3.0, 10.0)  # heights between which the solid fraction is measured, in mean diameters
 OTHER_FRICTION = 0.3
