@@ -61,7 +61,8 @@ COMPARED = (
         "The motion is chaotic, so means over three seeds are compared. The bound is that of Student's test: "
         "where nothing but chance tells the means of two codes apart, 99 of 100 differences lie within it. For "
         "distributions, two codes may be no farther apart than two seeds of one code. That the comparison sees "
-        "what it should is shown by geodem with another friction.",
+        "what it should is shown by geodem with another friction. Seconds are those of one thread, the codes one "
+        "after the other; on a machine with other work they are rough.",
     ),
     Group(
         "column",
