@@ -236,11 +236,9 @@ def loop_of_engine(
     start, a, b, own = chunked(pairs, len(now), chunk)
     history = np.zeros((len(a), 3 if dimension == 3 else 2))
     bond = np.ascontiguousarray(listed.bond[own])
-    if dimension == 2:
-        columns = simulation.columns
-        apart = now[b][:, columns.position] - now[a][:, columns.position]
-        overlap = now[a, columns.radius] + now[b, columns.radius] - np.sqrt((apart**2).sum(1))
-        history[:, 1] = np.where(bond > 0, overlap, 0.0)
+    if dimension == 2 and simulation.layout.offset is not None:
+        # the overlap at bonding
+        history[:, 1] = np.where(bond > 0, -listed.history[own, simulation.layout.offset], 0.0)
     untouched = np.zeros(len(a), dtype=np.uint8)
     return Loop(
         dimension,
