@@ -67,6 +67,10 @@ class ParticleCell:
 
         def _touching_pairs(self) -> NDArray[np.int64]: ...
 
+        # of ParticleSimulation
+
+        def _choose_cell_gain(self) -> None: ...
+
     def _of_cell(self) -> PeriodicCell:
         if self.cell is None:
             raise InputError("cell", "there is no periodic cell", "Call AssemblyBuilder.set_cell")
@@ -130,12 +134,14 @@ class ParticleCell:
             See `set_target_stress`.
         axial : (axis, rate), optional
             This axis has a given rate [1/s]; the others answer: compression at constant mean stress.
+
+        Raises
+        ------
+        InputError
+            As of `set_target_stress`; no such axis.
         """
         self._of_cell().set_mean_stress(mean, largest_rate=largest_rate, axial=axial, gain=gain)
         self._choose_cell_gain()
-
-    def _choose_cell_gain(self) -> None:
-        raise NotImplementedError
 
     # ------------------------------------------------------------------ reading
 

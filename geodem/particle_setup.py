@@ -221,6 +221,12 @@ def hand_over(
     s: ParticleSimulation, pairs: ArrayLike, wall: str | None, history: Mapping[str, ArrayLike]
 ) -> None:
     """See `ParticleSimulation.hand_over`."""
+    if s.features.energy:
+        raise InputError(
+            "energy",
+            "the account cannot know what another motion began with",
+            "Leave energy out to hand over",
+        )
     n, ids = s.assembly.particles, s.arrays.ids
     given = _particle_numbers(pairs, 2 if wall is None else 1, n)
     if wall is None:

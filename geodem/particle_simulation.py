@@ -323,8 +323,7 @@ class ParticleSimulation(ParticleReading):
         if steps < 0:
             raise InputError("steps", "time runs forwards", "Give 0 or more", value=steps)
         kernel = self.kernel(self.features)
-        first = not self.started
-        if steps > 0 and first:
+        if steps > 0 and not self.started:
             self._start()
         self.begin_stage(moving=True)
         left = steps
@@ -332,6 +331,8 @@ class ParticleSimulation(ParticleReading):
             # rows may be sorted anew here: before inverse masses by row are handed over
             if not self.moved + self.carried <= self.buffer:
                 self._look()
+            # what was interrupted before its first step still has that one to come
+            first = self.span != self.time_step
             done, _ = self.batch(
                 kernel, 1 if first else min(left, BATCH), self.time_step, 1.0, self.arrays.inverse_mass,
                 self.arrays.inverse_inertia, self.global_damping, 0.0, _NOTHING,
@@ -341,7 +342,6 @@ class ParticleSimulation(ParticleReading):
             left -= done
             if first and self.features.energy:
                 begin_account(self)
-            first = False
             if progress is not None:
                 progress(steps - left)
 
@@ -371,7 +371,8 @@ class ParticleSimulation(ParticleReading):
         Raises
         ------
         InputError
-            A name that the law does not remember, or a pair that is not listed as near.
+            A name that the law does not remember, a pair that is not listed as near, or an energy account, which cannot
+            know what another motion began with.
         """
         hand_over(self, pairs, wall, history)
 

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from types import ModuleType
 from typing import NamedTuple
 
+from .._jit import function_source
 from ..laws.convention import FUNCTIONS as CONVENTION_FUNCTIONS
 from ..laws.protocol import IN_SPACE, argument_names, history_arguments, history_names, sources
 from .blocks import BESIDE_AFTER, BESIDE_SLOT, HISTORY_SLOT
@@ -281,7 +282,7 @@ def bond_adapters(
 
 def convention_texts(convention: ModuleType) -> list[str]:
     """Texts of a convention's functions, callees first."""
-    return list(sources(convention, CONVENTION_FUNCTIONS).values())
+    return [function_source(getattr(convention, name)) for name in CONVENTION_FUNCTIONS]
 
 
 def no_bond_adapters() -> list[str]:

@@ -74,11 +74,18 @@ def floor(dimension: int, reach: float, rng: np.random.Generator) -> tuple[Float
 def packing(dimension: int, wide: float, tall: float, seed: int) -> tuple[Floats, Floats]:
     """Loose grains in the shape of a column, on the floor."""
     largest = 0.5 * DIAMETER * 2.0 * SIZE_RATIO / (1.0 + SIZE_RATIO)
-    given = {"radius": largest, "size_ratio": SIZE_RATIO, "periodic": False, "seed": seed}
+    box = (wide, tall) if dimension == 2 else (2.0 * wide, 2.0 * wide, tall)
+    found = random_packing(
+        dimension,
+        box=box,
+        solid_fraction=0.80 if dimension == 2 else 0.58,
+        radius=largest,
+        size_ratio=SIZE_RATIO,
+        periodic=False,
+        seed=seed,
+    )
     if dimension == 2:
-        found = random_packing(2, box=(wide, tall), solid_fraction=0.80, **given)  # type: ignore[arg-type]
         return found.positions, found.radii
-    found = random_packing(3, box=(2.0 * wide, 2.0 * wide, tall), solid_fraction=0.58, **given)  # type: ignore[arg-type]
     places = found.positions - (wide, wide, 0.0)
     inside = _prism_distance(places, wide) > found.radii
     return places[inside], found.radii[inside]

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from geodem.boundaries.walls import plane, triangles
+from geodem.builders.assembly_builder import AssemblyBuilder
 from geodem.builders.random_packing import random_packing
 from geodem.particle_simulation import ParticleSimulation
 
@@ -82,7 +83,7 @@ def bed(seed: int, friction: float) -> tuple[Floats, Floats]:
     return simulation.positions, found.radii
 
 
-def _sides(builder) -> None:  # type: ignore[no-untyped-def]
+def _sides(builder: AssemblyBuilder) -> None:
     for axis in range(2):
         normal = np.eye(3)[axis]
         builder.add_wall(plane(f"low{axis}", -0.5 * WIDTH * normal, normal))

@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import math
 import time
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -193,11 +194,18 @@ def load(
 ) -> Loading:
     """Strain a prism axially by `to` in about `steps` steps and read the stress ratio at `points` strains."""
     started = time.perf_counter()
-    given = {"friction": friction, "radius": radius, "damping": damping, "fixed_rotation": fixed_rotation}
-    time_step = simulation_of(sample, **given).time_step  # type: ignore[arg-type]
+    posed = partial(
+        simulation_of,
+        sample,
+        friction=friction,
+        radius=radius,
+        damping=damping,
+        fixed_rotation=fixed_rotation,
+    )
+    time_step = posed().time_step
     height = radius * sample.height
     speed = 0.5 * to * height / (steps * time_step)
-    simulation = simulation_of(sample, speed=speed, **given)  # type: ignore[arg-type]
+    simulation = posed(speed=speed)
     each = max(1, steps // points)
     scale = sample.area * radius**2 * PRESSURE
     strain, forces = [0.0], [platen_forces(simulation, sample)]

@@ -416,6 +416,12 @@ def test_the_first_of_a_pair_is_the_one_that_is_named_first(dimension):
         assert simulation.contact_forces()[1][0, 1] == sign * 3.0
 
 
+def test_an_energy_account_cannot_be_handed_over():
+    simulation = scene(*cluster()[:2], energy=True)
+    with pytest.raises(InputError, match="account"):
+        simulation.hand_over([[0, 1]], shear=[[0.0, 0.0, 0.0]])
+
+
 def test_a_wall_that_does_not_exist_has_nothing_to_hand_over():
     simulation = scene(*cluster()[:2])
     with pytest.raises(InputError, match="ceiling"):

@@ -25,4 +25,4 @@ CONVENTIONS: dict[str, ModuleType] = {module.NAME: module for module in (geodem,
 """By name; all but geodem's own are for spheres."""
 
 FUNCTIONS = ("branches", "wall_branches", "half_turn", "spin_about", "transported")
-"""Functions that the loops call, callees first."""
+"""Functions that the loops call; they call nothing but math."""
