@@ -126,6 +126,8 @@ def test_run_that_was_cut_goes_on_to_the_same_bits(tmp_path, heap):
     assert (whole.positions == heap.positions).all()
     with pytest.raises(InputError, match="another preparation"):
         deposit(2, GRAINS, SIZES, **(settings | {"seed": 2}))
+    with pytest.raises(InputError, match="another preparation"):
+        deposit(2, GRAINS, SIZES, **(settings | {"wall_friction": 0.4}))
 
 
 def test_sample_comes_back_from_its_file(tmp_path, heap):

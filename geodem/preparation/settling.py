@@ -7,9 +7,11 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from ..assembly import Assembly
 from ..errors import InputError
 from ..particle_network import critical_time_step
 from ..particle_setup import SAFETY
@@ -64,8 +66,9 @@ def resumed(checkpoint: Checkpoint | None, begun: ParticleSimulation) -> Particl
         mine.contact_law == other.contact_law
         and all(
             np.array_equal(getattr(mine, name), getattr(other, name))
-            for name in ("positions", "radii", "mass", "contact_table", "gravity")
+            for name in ("positions", "radii", "mass", "contact_table", "gravity", "held")
         )
+        and _of_walls(mine) == _of_walls(other)
         and (begun.local_damping, begun.global_damping) == (found.local_damping, found.global_damping)
     )
     if not same:
@@ -75,6 +78,21 @@ def resumed(checkpoint: Checkpoint | None, begun: ParticleSimulation) -> Particl
             "Remove it, or give another path",
         )
     return found
+
+
+def _of_walls(assembly: Assembly) -> list[tuple[Any, ...]]:
+    """Everything that tells the walls of two assemblies apart."""
+    return [
+        (
+            wall.name,
+            *(
+                np.asarray(part).tolist()
+                for part in (wall.planes, wall.segments, wall.triangles, wall.velocity)
+            ),
+            {material: tuple(map(float, numbers)) for material, numbers in wall.contact.items()},
+        )
+        for wall in assembly.walls
+    ]
 
 
 def run_to_rest(

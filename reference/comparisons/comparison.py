@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..posed import Posed, Trajectory
@@ -59,8 +58,3 @@ def rows_of(posed: Posed, ours: Trajectory, theirs: Trajectory) -> list[Row]:
         )
         for quantity, difference in differences(ours, theirs, posed).items()
     ]
-
-
-def worst_of(rows: Sequence[Row]) -> Row:
-    """The row that is farthest beyond, or nearest to, its bound."""
-    return max(rows, key=lambda row: row.difference / row.bound)

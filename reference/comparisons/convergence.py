@@ -75,7 +75,8 @@ def compare(codes: Sequence[str], *, halvings: int = HALVINGS) -> list[Row]:
         for number, one in enumerate(scenes):
             own = found[number * halvings : (number + 1) * halvings]
             # the mean over all halvings: a birth or a break falls now here, now there within a step
-            order = math.log2(own[0] / own[-1]) / (halvings - 1)
+            told = all(0.0 < value < math.inf for value in own)
+            order = math.log2(own[0] / own[-1]) / (halvings - 1) if told else -math.inf
             shown = ", ".join(f"{value:.1e}" for value in own)
             run = ours[number * halvings]
             rows.append(
@@ -83,7 +84,7 @@ def compare(codes: Sequence[str], *, halvings: int = HALVINGS) -> list[Row]:
                     scene=f"{one.name}: own convention", code=code, version=theirs[0].version,
                     law=theirs[number * halvings].law,
                     quantity=f"order {order:.2f} of the differences {shown}; what it lacks to 1",
-                    difference=max(0.0, 1.0 - order), bound=1.0 - LEAST_ORDER, steps=one.steps,
+                    difference=max(1.0 - order, 0.0), bound=1.0 - LEAST_ORDER, steps=one.steps,
                     particles=one.assembly.particles, seconds=run.seconds,
                 )
             )  # fmt: skip

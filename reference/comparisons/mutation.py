@@ -114,7 +114,7 @@ def scenes_of(mutation: Mutation, code: str) -> list[Posed]:
 
 
 def seen(mutation: Mutation, scenes: Sequence[Posed], theirs: Sequence[Trajectory]) -> dict[str, float]:
-    """Largest difference of every scene under a mutation, infinite where the mutated law could not run it."""
+    """Largest difference of every scene under a mutation, infinite where the two do not break alike."""
     with mutated(mutation):
         ours = run_posed(scenes)
     return {

@@ -79,7 +79,7 @@ def apart(
     """Mean distance of runs of different codes, and the largest of runs of one code with different seeds."""
     between = [distance(one, other) for one, other in product(ours, theirs)]
     within = [distance(one, other) for runs in (ours, theirs) for one, other in combinations(runs, 2)]
-    return float(np.mean(between)), max(within)
+    return float(np.mean(between)), float(np.max(within))
 
 
 def kolmogorov_smirnov(one: Floats, other: Floats) -> float:
@@ -126,7 +126,8 @@ def told_apart(
 ) -> Row:
     """geodem against geodem with something changed: that must be seen in one number at least."""
     found = {name: means_of([run[name] for run in ours], [run[name] for run in changed]) for name in ours[0]}
-    seen = [name for name, one in found.items() if not one.alike]
+    # not "unlike": what is no number was not seen
+    seen = [name for name, one in found.items() if one.difference > one.bound]
     return Row(
         **{**about, "scene": f"{about['scene']}: geodem against geodem with {change}, which must be seen"},
         quantity=f"of {len(found)} numbers, {len(seen)} differ by more than their bound"

@@ -104,7 +104,8 @@ def compare(
             )
         )  # fmt: skip
         rows += state_rows(about, [one[0] for one in ours], [one[0] for one in theirs])
-        weight = max(abs(one[2] - 1.0) for one in (*ours, *theirs))
+        # unlike max, it keeps what is no number
+        weight = float(np.max([abs(one[2] - 1.0) for one in (*ours, *theirs)]))
         rows.append(
             Row(
                 **{**about, "scene": f"{about['scene']}: force on the floor"},
@@ -134,11 +135,11 @@ def state_rows(about: dict[str, Any], ours: Sequence[AtRest], theirs: Sequence[A
     both = [*ours, *theirs]
     said = {
         "kinetic energy of the slowest 95 % of the grains over m g d, each; largest in both codes": (
-            max(one.kinetic for one in both),
+            float(np.max([one.kinetic for one in both])),
             grains.AT_REST,
         ),
         "mean overlap over the mean diameter, largest in both codes": (
-            max(one.overlap for one in both),
+            float(np.max([one.overlap for one in both])),
             0.01,
         ),
     }

@@ -36,4 +36,5 @@ def relative(
 
 def at_most(name: str, quantity: str, value: float, limit: float, seconds: float, source: str = "") -> Row:
     """A row whose error is how far the size of the value lies above a limit, over the limit; rounding is let pass."""
-    return Row(name, quantity, value, limit, max(0.0, abs(value) / limit - 1.0), 1e-9, seconds, source)
+    # in this order of the two, what is no number stays none and is not good
+    return Row(name, quantity, value, limit, max(abs(value) / limit - 1.0, 0.0), 1e-9, seconds, source)

@@ -24,3 +24,11 @@ def test_a_run_stores_its_rows_and_fails_on_a_miss(monkeypatch, tmp_path, capsys
     assert stored["rows"][0]["error_percent"] == pytest.approx(100.0 * (value - 1.0))
     assert {"command", "date", "versions", "machine"} <= set(stored["header"])
     assert ("MISS" in capsys.readouterr().out) == (status == 1)
+
+
+def test_what_is_no_number_is_never_within_a_limit():
+    from reference.problems.rows import at_most
+
+    assert at_most("a", "b", 0.5, 1.0, 0.0).good
+    assert not at_most("a", "b", 1.1, 1.0, 0.0).good
+    assert not at_most("a", "b", float("nan"), 1.0, 0.0).good
