@@ -42,6 +42,20 @@ def poisson_of_contact(
     return (1.0 - 4.0 * ratio) / (1.0 - 2.0 * ratio)
 
 
+def one_material(
+    young_first: float, poisson_first: float, young_second: float, poisson_second: float
+) -> tuple[float, float]:
+    """E [Pa] and nu [-] of the one material whose E* and G* are those of the contact of two.
+
+    1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; of a material and itself: exactly its own. Source: `poisson_of_contact`.
+    """
+    ratio = poisson_of_contact(young_first, poisson_first, young_second, poisson_second)
+    # E/(1 - nu^2) over the share that the pair's nu takes away again: exactly E for two equal materials
+    share_first = (1.0 - ratio * ratio) / (1.0 - poisson_first * poisson_first)
+    share_second = (1.0 - ratio * ratio) / (1.0 - poisson_second * poisson_second)
+    return harmonic_mean(young_first * share_first, young_second * share_second), ratio
+
+
 def mixed(
     first: Parameters,
     second: Parameters,

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ..parameters import Fault, faults
+from ..parameters import Fault, faults, one_material
 
 NAME = "hertz_history"
 DIMENSIONS = (3,)
@@ -106,18 +106,11 @@ def combine(first: HertzHistoryParameters, second: HertzHistoryParameters) -> He
 
     1/E* = sum (1 - nu^2)/E, 1/G* = sum 2 (2 - nu)(1 + nu)/E; the smaller friction and restitution.
     """
-    plane = 0.0
-    shearing = 0.0
-    for one in (first, second):
-        plane += (1.0 - one.poisson_ratio**2) / one.young_modulus
-        shearing += 2.0 * (2.0 - one.poisson_ratio) * (1.0 + one.poisson_ratio) / one.young_modulus
-    # (2 - nu)/(1 - nu) of the equivalent material
-    ratio = 0.5 * shearing / plane
-    poisson = (ratio - 2.0) / (ratio - 1.0)
-    if first.poisson_ratio == second.poisson_ratio:
-        poisson = first.poisson_ratio
+    young, poisson = one_material(
+        first.young_modulus, first.poisson_ratio, second.young_modulus, second.poisson_ratio
+    )
     return HertzHistoryParameters(
-        2.0 * (1.0 - poisson**2) / plane,
+        young,
         poisson,
         min(first.friction_coefficient, second.friction_coefficient),
         min(first.restitution, second.restitution),

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ..parameters import Fault, faults, harmonic_mean, poisson_of_contact
+from ..parameters import Fault, faults, one_material
 
 NAME = "hertz_mindlin"
 DIMENSIONS = (3,)
@@ -114,15 +114,12 @@ def combine(first: HertzMindlinParameters, second: HertzMindlinParameters) -> He
 
     1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, 1/G* = 2 (2 - nu1)(1 + nu1)/E1 + 2 (2 - nu2)(1 + nu2)/E2.
     """
-    ratio = poisson_of_contact(
+    young, poisson = one_material(
         first.young_modulus, first.poisson_ratio, second.young_modulus, second.poisson_ratio
     )
-    # E/(1 - nu^2) over the share that the pair's nu takes away again: exactly E for two equal materials
-    share_first = (1.0 - ratio * ratio) / (1.0 - first.poisson_ratio * first.poisson_ratio)
-    share_second = (1.0 - ratio * ratio) / (1.0 - second.poisson_ratio * second.poisson_ratio)
     return HertzMindlinParameters(
-        harmonic_mean(first.young_modulus * share_first, second.young_modulus * share_second),
-        ratio,
+        young,
+        poisson,
         min(first.friction_coefficient, second.friction_coefficient),
         0.5 * first.restitution + 0.5 * second.restitution,
     )
