@@ -208,6 +208,10 @@ class ParticleCell:
             return np.zeros((0, d)), np.zeros((0, d))
         branch = wall_branches(self, which)
         distance = np.sqrt((branch**2).sum(axis=1))
+        if not hasattr(self.features.laws()[0], "reach"):
+            # what has parted since the last forces pulls nothing
+            pressed = distance < self.now[w.particle[which], self.columns.radius]
+            which, branch, distance = which[pressed], branch[pressed], distance[pressed]
         normal = branch / distance[:, None]
         own = self.now[w.particle[which]]
         radius, mass = own[:, columns.radius], own[:, columns.mass]

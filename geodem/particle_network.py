@@ -129,12 +129,14 @@ def contact_modulus(s: ParticleSimulation) -> float:
     contact, _ = s.features.laws()
     radius = s.now[:, s.columns.radius]
     r = np.array([float(radius.max())])
+    m = np.array([float(s.now[:, s.columns.mass].max())])
     single = max(
         law_stiffness(
-            contact, s.dimension, row[None], radius_a=r, radius_b=r, distance=2 * r, overlap=LEAST_OVERLAP * r
+            contact, s.dimension, row[None], radius_a=r, radius_b=r, distance=2 * r, overlap=LEAST_OVERLAP * r,
+            mass_a=m, mass_b=m,
         )[0, 0]
         for row in s.table
-    )
+    )  # fmt: skip
     alone = float(single * (4.0 * radius**2).sum())
     return max(float((found.kn * found.arms.sum(axis=1) ** 2).sum()), alone) / s.cell.volume
 

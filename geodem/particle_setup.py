@@ -241,6 +241,8 @@ def hand_over(
         at = own[_places(ids[w.particle[own]], given[:, 0], given)]
         sign = np.ones(len(at))
         w.normal[at, : s.dimension] = wall_normals(s, w.particle[at].astype(np.int64), w.primitive[at])
+    if len(np.unique(at)) < len(at):
+        raise InputError("pairs", "some of them are there twice", "Give each of them once")
     listed: PairList | WallPairs = s.pairs if wall is None else s.wall_pairs
     law, _ = s.features.laws()
     stored = s.layout.contact

@@ -438,3 +438,18 @@ def test_a_cell_that_has_become_too_thin_ends_the_run():
     s.cell.state[:2] *= 0.05
     with pytest.raises(InputError, match="thick"):
         s.search()
+
+
+def test_the_gain_of_a_servo_follows_from_a_law_that_asks_for_masses():
+    contact = {
+        "young_modulus": 1e8, "poisson_ratio": 0.3, "friction_coefficient": 0.5, "restitution": 0.5,
+        "characteristic_velocity": 1.0,
+    }  # fmt: skip
+    builder = AssemblyBuilder(3, contact_law="hooke")
+    builder.add_material("grain", density=2600.0, contact=contact)
+    places = 0.02 * np.stack(np.meshgrid(*[np.arange(4)] * 3, indexing="ij"), -1).reshape(-1, 3)
+    builder.add_particles(places, 0.01, "grain")
+    builder.set_cell([0.08, 0.08, 0.08])
+    simulation = ParticleSimulation(builder.build(), orientation=False)
+    simulation.set_target_stress([-1e3] * 3, largest_rate=1.0)
+    assert np.isfinite(simulation.cell.state).all()

@@ -383,6 +383,7 @@ def test_without_what_contacts_remember_it_would_not():
         ([[-1, 0]], {"shear": [[0, 0, 0]]}, "pairs = -1", "particles 0 to 6"),
         ([[0, 1, 2]], {"shear": [[0, 0, 0]]}, "pairs", "two numbers a pair"),
         ([[0.5, 1.0]], {"shear": [[0, 0, 0]]}, "pairs", "not numbers of particles"),
+        ([[0, 1], [1, 0]], {"shear": [[0, 0, 0]]}, "pairs", "twice"),
         ([[0, 1], [2]], {"shear": [[0, 0, 0]]}, "pairs", "not numbers of particles"),
         ([[0, 1]], {"shear": [[0, 0]]}, "shear", "shape"),
         ([[0, 1]], {"shear": [["a", 0, 0]]}, "shear", "numbers"),
