@@ -15,9 +15,10 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from .bond import cohesive_moments, jointed_cohesive, parallel_bond, rotational_bond, two_springs
+from .bond import cohesive_moments, jointed_cohesive, parallel_bond, rock, rotational_bond, two_springs
 from .contact import (
     cohesive_frictional,
+    effective_modulus,
     elastic_frictional,
     hertz,
     hertz_dmt,
@@ -42,6 +43,7 @@ CONTACT_LAWS: dict[str, ModuleType] = {
         linear_incremental,
         cohesive_frictional,
         linear_rolling,
+        effective_modulus,
         hertz,
         hertz_mindlin,
         hertz_mindlin_rolling,
@@ -56,6 +58,6 @@ CONTACT_LAWS: dict[str, ModuleType] = {
 
 BOND_LAWS: dict[str, ModuleType] = {
     module.NAME: module
-    for module in (two_springs, parallel_bond, rotational_bond, cohesive_moments, jointed_cohesive)
+    for module in (two_springs, parallel_bond, rotational_bond, rock, cohesive_moments, jointed_cohesive)
 }
 """Laws of bonded particles by name."""
