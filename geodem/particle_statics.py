@@ -155,6 +155,17 @@ def find_equilibrium(
     )  # fmt: skip
 
 
+def displace(simulation: ParticleSimulation, motion: Floats) -> None:
+    """Move everything by a motion (n, d + s) [m, rad], in the order of the assembly; no time passes, no bond breaks.
+
+    The laws add up their springs on a straight way, for instance to a state that was solved for. Everything is at rest
+    in the end; held freedoms keep their velocities for the motion that follows. Held bodies are moved too.
+    """
+    search = _Search(simulation)
+    with search.standing_still():
+        search.go(motion[simulation.arrays.ids], touching_links(simulation))
+
+
 def balance(simulation: ParticleSimulation) -> float:
     """Unbalanced ratio of the last step [-]: root mean square of the resultants of free particles, over a force.
 
@@ -245,7 +256,7 @@ class _Search:
                 motion = solver.solve(load, residual=RESIDUAL)
             except InputError:
                 break
-            before, farthest = farthest, self._go(motion, solver)
+            before, farthest = farthest, self.go(motion, solver.network.links)
             solves, age, last, way = solves + 1, age + 1, ratio, way + farthest
         self._stop()
         return solves
@@ -257,9 +268,9 @@ class _Search:
         network = build_network(positions, links, current_springs(s))
         return NetworkSolver(network, held=self._held() | self._loose(links))
 
-    def _go(self, motion: Floats, solver: NetworkSolver) -> float:
+    def go(self, motion: Floats, links: Links) -> float:
         """Move by a solution, or a part of it where it is long; the farthest that any particle goes [m]."""
-        s, links = self.simulation, solver.network.links
+        s = self.simulation
         inner = links.second != RIGID
         moved = motion[:, : s.dimension]
         apart = moved[links.first]

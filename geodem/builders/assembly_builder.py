@@ -15,7 +15,7 @@ from geodem.assembly import DISC_INERTIA, SPHERE_INERTIA, Anchors, Assembly, Cel
 from geodem.boundaries.checks import wall_errors
 from geodem.builders import assembly_checks as checks
 from geodem.builders.assembly_checks import as_numbers, bad_entries, chosen, raise_all
-from geodem.builders.bond_scatter import LognormalScatter
+from geodem.builders.bond_scatter import LognormalScatter, NormalScatter
 from geodem.builders.cell_checks import cell_errors, make_cell
 from geodem.builders.close_pairs import close_pairs
 from geodem.builders.interactions import Materials, find_law, pair_of
@@ -223,13 +223,13 @@ class AssemblyBuilder:
         self._applied = np.concatenate([self._applied, np.zeros((count, freedoms))])
         return range(first, first + count)
 
-    def bond(self, pairs: ArrayLike, *, scale: ArrayLike | LognormalScatter = 1.0) -> Pairs:
+    def bond(self, pairs: ArrayLike, *, scale: ArrayLike | LognormalScatter | NormalScatter = 1.0) -> Pairs:
         """Bond pairs of particles.
 
         Parameters
         ----------
         pairs : (k, 2) int
-        scale : float, (k,) float or LognormalScatter
+        scale : float, (k,) float, LognormalScatter or NormalScatter
             Factor on the strength of every bond [-].
 
         Returns
@@ -255,7 +255,7 @@ class AssemblyBuilder:
         factor: float = 1.05,
         between: tuple[str, str] | None = None,
         *,
-        scale: ArrayLike | LognormalScatter = 1.0,
+        scale: ArrayLike | LognormalScatter | NormalScatter = 1.0,
     ) -> Pairs:
         """Bond every pair, not bonded yet, whose distance is at most `factor` times the sum of the radii.
 
@@ -265,7 +265,7 @@ class AssemblyBuilder:
             [-]
         between : two names of materials, optional
             Only pairs of these; the same name twice for those within one material.
-        scale : float, (k,) float or LognormalScatter
+        scale : float, (k,) float, LognormalScatter or NormalScatter
             Factor on the strength of every bond [-].
 
         Returns
@@ -288,7 +288,7 @@ class AssemblyBuilder:
         self._join(pairs, scale)
         return pairs
 
-    def _join(self, pairs: Pairs, scale: ArrayLike | LognormalScatter) -> None:
+    def _join(self, pairs: Pairs, scale: ArrayLike | LognormalScatter | NormalScatter) -> None:
         if self._bond_law is None:
             raise InputError("bonds", "there is no bond law", "Give AssemblyBuilder a bond_law.")
         able = np.array([name in self._materials.bond for name in self._materials.names], dtype=bool)
@@ -300,7 +300,7 @@ class AssemblyBuilder:
                 f"its particles are bonded, but it has no parameters of the law {self._bond_law.NAME!r}",
                 "Give add_material bond={...}.",
             )
-        factors = scale.factors(len(pairs)) if isinstance(scale, LognormalScatter) else scale
+        factors = scale.factors(len(pairs)) if isinstance(scale, LognormalScatter | NormalScatter) else scale
         strength = as_numbers("scale", factors, (len(pairs),), "units of 1")
         raise_all(bad_entries("scale", strength, 0, "units of 1", positive=True, item="bond"))
         self._bonds = np.concatenate([self._bonds, pairs])

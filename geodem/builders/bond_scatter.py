@@ -11,6 +11,17 @@ from geodem.errors import InputError
 
 Floats = NDArray[np.float64]
 
+LEAST = 0.01
+"""Smallest factor of a normal scatter, whose tail would be negative."""
+
+
+def _refuse_variation(variation: float) -> None:
+    if not (np.isfinite(variation) and variation >= 0.0):
+        raise InputError(
+            "scale, variation", "the coefficient of variation is negative or not finite",
+            "Give a number such as 0.2.", value=variation,
+        )  # fmt: skip
+
 
 @dataclass(frozen=True)
 class LognormalScatter:
@@ -29,11 +40,28 @@ class LognormalScatter:
 
     def factors(self, count: int) -> Floats:
         """`count` factors [-]."""
-        if not (np.isfinite(self.variation) and self.variation >= 0.0):
-            raise InputError(
-                "scale, variation", "the coefficient of variation is negative or not finite",
-                "Give a number such as 0.2.", value=self.variation,
-            )  # fmt: skip
+        _refuse_variation(self.variation)
         variance = np.log1p(self.variation**2)
         rng = np.random.default_rng(self.seed)
         return np.asarray(rng.lognormal(-0.5 * variance, np.sqrt(variance), count))
+
+
+@dataclass(frozen=True)
+class NormalScatter:
+    """Strength factors with the mean 1 that scatter normally from bond to bond, none below `LEAST`.
+
+    Attributes
+    ----------
+    variation : float
+        Standard deviation over mean [-].
+    seed : int
+    """
+
+    variation: float
+    seed: int
+
+    def factors(self, count: int) -> Floats:
+        """`count` factors [-]."""
+        _refuse_variation(self.variation)
+        rng = np.random.default_rng(self.seed)
+        return np.maximum(rng.normal(1.0, self.variation, count), LEAST)
