@@ -164,6 +164,8 @@ def displace(simulation: ParticleSimulation, motion: Floats) -> None:
     search = _Search(simulation)
     with search.standing_still():
         search.go(motion[simulation.arrays.ids], touching_links(simulation))
+        # the forces of where everything is now
+        search.balanced(math.inf)
 
 
 def balance(simulation: ParticleSimulation) -> float:

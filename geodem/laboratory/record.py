@@ -13,16 +13,14 @@ Floats = NDArray[np.float64]
 UNITS = {
     "steps": "-",
     "axial_strain": "-",
-    "lateral_strain": "-",
-    "volumetric_strain": "-",
+    "gauge_axial": "-",
+    "gauge_lateral": "-",
     "axial_stress": "Pa",
-    "confinement": "Pa",
     "tension_cracks": "-",
     "shear_cracks": "-",
     "force": "N",
     "displacement": "m",
     "unbalanced_ratio": "-",
-    "inertial_number": "-",
 }
 """Units of the curves."""
 

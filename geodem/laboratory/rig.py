@@ -11,7 +11,6 @@ every particle gets one that makes its own frequency the same (the same total): 
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 
 import numpy as np
@@ -26,6 +25,7 @@ from ..particle_simulation import ParticleSimulation
 from ..particle_statics import displace
 from .confinement import Confinement, joined_to_most
 from .material import BondedMaterial
+from .record import Cracks
 from .specimen import Specimen
 
 Floats = NDArray[np.float64]
@@ -289,65 +289,86 @@ def even_density(radii: Floats, dimension: int) -> Floats:
 
 
 Watch = Callable[[float, float], None]
+"""Is told the strain and the stress now and then."""
 
 
-def run_to_peak(
-    rig: Rig,
-    *,
-    rate: float,
-    looks: int,
-    expected: float,
-    fall: float,
-    longest: float,
-    sign: float = 1.0,
-    watch: Watch | None = None,
-) -> tuple[dict[str, Floats], bool, str]:
-    """Move until the stress has fallen to `fall` of its peak; the curves, whether it failed, and why it ended.
+class Motion:
+    """Curves of a rig in motion, look by look.
 
     Parameters
     ----------
-    rate : float
-        Strain per step, positive.
-    looks : int
-        Per `expected` strain.
-    expected : float
-        Strain at the peak, roughly.
-    fall : float
-        Share of the peak at which the test ends.
-    longest : float
-        Strain at which it ends without failure.
+    rig : Rig
     sign : float
-        1 compression, -1 tension.
-    watch : callable, optional
-        Is told the strain and the stress now and then.
+        1 compression, -1 tension: what is recorded is positive either way.
     """
-    every = max(1, round(expected / rate / looks))
-    rows = []
-    top = -math.inf
-    why = f"no failure up to a strain of {longest:.3g}"
-    failed = False
-    s = rig.simulation
-    while True:
-        rig.advance(every)
+
+    NAMES = (
+        "steps", "axial_strain", "gauge_axial", "gauge_lateral", "axial_stress", "tension_cracks", "shear_cracks",
+        "unbalanced_ratio",
+    )  # fmt: skip
+
+    def __init__(self, rig: Rig, sign: float) -> None:
+        self.rig = rig
+        self.sign = sign
+        self.rows: list[tuple[float, ...]] = []
+        self.top = -math.inf
+        self.look()
+
+    def look(self) -> float:
+        """Take down where everything is; the stress."""
+        rig, sign = self.rig, self.sign
+        s = rig.simulation
         stress, strain = sign * rig.axial_stress(), sign * rig.axial_strain()
         axial, lateral = rig.gauge_strain()
         modes = s.record[: len(s.assembly.bonds), 0]
-        rows.append(
-            (s.steps, strain, sign * axial, sign * lateral, stress, (modes == 1).sum(), (modes == 2).sum())
-        )
-        top = max(top, stress)
-        if watch is not None:
-            watch(strain, stress)
-        if top > 0.0 and stress < fall * top:
-            failed, why = True, f"the stress has fallen to {stress / top:.0%} of its peak"
-            break
-        if strain > longest:
-            break
-    table = np.array(rows, dtype=float).T
-    names = ("steps", "axial_strain", "gauge_axial", "gauge_lateral", "axial_stress", "tension_cracks", "shear_cracks")
-    return dict(zip(names, table, strict=True)), failed, why
+        self.rows.append(
+            (
+                s.steps, strain, sign * axial, sign * lateral, stress, int((modes == 1).sum()),
+                int((modes == 2).sum()), s.unbalanced_ratio(),
+            )
+        )  # fmt: skip
+        self.top = max(self.top, stress)
+        return stress
+
+    def until_failure(
+        self, *, every: int, fall: float, longest: float, floor: float = 0.0, watch: Watch | None = None
+    ) -> tuple[bool, str]:
+        """Move until the load has fallen behind a peak; whether it has, and why the test ended.
+
+        Parameters
+        ----------
+        every : int
+            Steps between looks.
+        fall : float
+            Share of the peak, counted from `floor`, at which the test ends.
+        longest : float
+            Strain at which it ends without failure.
+        floor : float
+            Stress that stays whatever breaks: the pressure on the sides [Pa].
+        """
+        while True:
+            self.rig.advance(every)
+            stress = self.look()
+            strain = self.rows[-1][1]
+            if watch is not None:
+                watch(strain, stress)
+            if self.top > floor and stress - floor < fall * (self.top - floor):
+                return True, f"the load has fallen to {stress / self.top:.0%} of its peak"
+            if strain > longest:
+                return False, f"no failure up to an axial strain of {longest:.2%}"
+
+    def curves(self) -> dict[str, Floats]:
+        """By name."""
+        return dict(zip(self.NAMES, np.array(self.rows, dtype=float).T, strict=True))
 
 
-def now() -> float:
-    """Seconds of the machine's clock."""
-    return time.perf_counter()
+def seen_cracks(rig: Rig, steps: Floats, stress: Floats) -> Cracks:
+    """The rig's cracks with the stress at which each was made."""
+    s = rig.simulation
+    found = s.broken_bonds()
+    pairs = s.assembly.bonds[found.bond]
+    apart = rig.start[pairs[:, 1]] - rig.start[pairs[:, 0]]
+    size = np.sqrt((apart**2).sum(axis=1, keepdims=True))
+    radii = rig.specimen.radii
+    at = np.interp(found.step, steps, stress) if len(steps) else np.zeros(len(pairs))
+    return Cracks(found.place, found.mode, apart / size, 2.0 * np.minimum(*radii[pairs].T), at)

@@ -1,0 +1,195 @@
+"""Tests along the axis: uniaxial and triaxial (in 2D biaxial) compression, direct tension."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+
+from ..errors import InputError
+from . import pace as paces
+from .material import BondedMaterial
+from .record import Floats, TestRecord
+from .rig import STEP, Motion, Rig, Watch, seen_cracks
+from .specimen import Specimen
+
+FALL = 0.7
+"""Share of the peak at which a test ends: it has failed for certain."""
+
+INITIATION = 0.01
+"""Crack initiation: this share of the cracks at the peak is there (Potyondy & Cundall 2004, section 4.2)."""
+
+RATIO = 0.05
+"""Unbalanced ratio at the peak above which a warning is given: forces of inertia are no longer small."""
+
+
+def compress(
+    specimen: Specimen,
+    material: BondedMaterial,
+    *,
+    confinement: float = 0.0,
+    expected_strain: float | None = None,
+    pace: float = paces.PACE,
+    time_share: float = STEP,
+    fall: float = FALL,
+    seed: int | None = None,
+    watch: Watch | None = None,
+) -> TestRecord:
+    """Compress along the axis under a constant pressure on the sides, past the peak.
+
+    Parameters
+    ----------
+    specimen : Specimen
+        Prism or cylinder.
+    material : BondedMaterial
+    confinement : float
+        [Pa]
+    expected_strain : float, optional
+        Axial strain at the peak, roughly: sets the rate. A fast pilot finds it where it is left out.
+    pace : float
+        See `geodem.laboratory.pace`.
+    time_share : float
+        Of the critical time step.
+    fall : float
+        Share of the peak (less the confinement) at which the test ends.
+    seed : int, optional
+        Of the scatter of bond strengths; the specimen's where it is left out.
+
+    Returns
+    -------
+    TestRecord
+        `strength` is the largest axial stress [Pa]. Numbers: young_modulus [Pa], poisson_ratio, peak_strain,
+        residual_stress [Pa], crack_initiation_stress and crack_damage_stress [Pa], confinement [Pa].
+
+    Raises
+    ------
+    InputError
+        A confinement that is none; a specimen that cannot be gripped.
+    """
+    if not (math.isfinite(confinement) and confinement >= 0.0):
+        raise InputError("confinement", "this is no pressure", "Give Pa, 0 or more", value=confinement)
+    kind = "triaxial-compression" if confinement else "uniaxial-compression"
+    return _along(
+        kind, specimen, material, 1.0, confinement, expected_strain, pace, time_share, fall, seed, watch
+    )
+
+
+def pull(
+    specimen: Specimen,
+    material: BondedMaterial,
+    *,
+    expected_strain: float | None = None,
+    pace: float = paces.PACE,
+    time_share: float = STEP,
+    fall: float = FALL,
+    seed: int | None = None,
+    watch: Watch | None = None,
+) -> TestRecord:
+    """Pull along the axis until it breaks; parameters and errors as of `compress`, `strength` is positive [Pa]."""
+    return _along(
+        "direct-tension", specimen, material, -1.0, 0.0, expected_strain, pace, time_share, fall, seed, watch
+    )
+
+
+def _along(
+    kind: str,
+    specimen: Specimen,
+    material: BondedMaterial,
+    sign: float,
+    confinement: float,
+    expected: float | None,
+    pace: float,
+    time_share: float,
+    fall: float,
+    seed: int | None,
+    watch: Watch | None,
+) -> TestRecord:
+    begun = time.perf_counter()
+    if specimen.shape == "disc":
+        raise InputError(
+            "specimen, shape", f"a disc is for splitting, not for {kind}", "Take a prism", value="disc"
+        )
+    if not (math.isfinite(pace) and pace > 0.0):
+        raise InputError("pace", "these are no steps per particle", f"Give {paces.PACE:g}", value=pace)
+    high = specimen.height / specimen.diameter
+    own = seed if seed is not None else (specimen.seed or 1)
+
+    def mounted() -> Rig:
+        return Rig(specimen, material, confinement=confinement, time_share=time_share, seed=own)
+
+    steps = 0
+    if not paces.sound(expected):
+        rig = mounted()
+        rig.solve()
+        # tension goes about as far as the first break, compression several times as far
+        rig.begin(0.0)
+        guess = rig.first_break * (1.2 if sign < 0.0 else 4.0)
+        rig = mounted()
+        rate = paces.rate_of(guess, high, paces.PILOT)
+        rig.begin(sign * rate)
+        pilot = Motion(rig, sign)
+        pilot.until_failure(
+            every=paces.looks_every(guess, rate), fall=fall, longest=paces.longest(guess), floor=confinement
+        )
+        curves = pilot.curves()
+        share = paces.PILOT_SHARE["tension" if sign < 0.0 else "compression"]
+        expected = share * float(curves["axial_strain"][np.argmax(curves["axial_stress"])])
+        steps += rig.simulation.steps
+    assert expected is not None
+    rig = mounted()
+    rate = paces.rate_of(expected, high, pace)
+    rig.begin(sign * rate)
+    young, poisson = rig.elastic_constants()
+    motion = Motion(rig, sign)
+    failed, reason = motion.until_failure(
+        every=paces.looks_every(expected, rate), fall=fall, longest=paces.longest(expected), floor=confinement,
+        watch=watch,
+    )  # fmt: skip
+    curves = motion.curves()
+    s = rig.simulation
+    stress = curves["axial_stress"]
+    top = int(np.argmax(stress))
+    cracks = seen_cracks(rig, curves["steps"], stress)
+    at_peak = cracks.stress[: int(curves["tension_cracks"][top] + curves["shear_cracks"][top])]
+    numbers = {
+        "young_modulus": young,
+        "poisson_ratio": poisson,
+        "peak_strain": float(curves["axial_strain"][top]),
+        "residual_stress": float(stress[-1]),
+        "confinement": confinement,
+        "unbalanced_ratio": float(curves["unbalanced_ratio"][max(top - 5, 0) : top + 1].mean()),
+        "crack_initiation_stress": _initiation(at_peak),
+        "crack_damage_stress": _damage(curves, top),
+        "tension_cracks_at_peak": float(curves["tension_cracks"][top]),
+        "shear_cracks_at_peak": float(curves["shear_cracks"][top]),
+        "bonds": float(len(s.assembly.bonds)),
+        "rate_per_step": rate,
+    }
+    warnings = []
+    if numbers["unbalanced_ratio"] > RATIO:
+        warnings.append(
+            f"forces of inertia are not small at the peak (unbalanced ratio {numbers['unbalanced_ratio']:.2g}): "
+            f"load more slowly (pace above {pace:g})"
+        )
+    if not failed:
+        warnings.append(f"{reason}: the strength is the largest stress that was reached, not a peak")
+    return TestRecord(
+        kind, float(stress[top]), failed, reason, curves, numbers, cracks, s.positions, s.positions - rig.start,
+        steps + s.steps, time.perf_counter() - begun, specimen.seed, tuple(warnings),
+    )  # fmt: skip
+
+
+def _initiation(stress: Floats) -> float:
+    """Stress at which `INITIATION` of the cracks before the peak are there [Pa]; nan without cracks."""
+    if not len(stress):
+        return math.nan
+    return float(stress[min(int(INITIATION * len(stress)), len(stress) - 1)])
+
+
+def _damage(curves: dict[str, Floats], top: int) -> float:
+    """Axial stress at which the specimen's middle begins to dilate: the largest volumetric strain before the peak [Pa]."""
+    dimension_strains = curves["gauge_axial"] + curves["gauge_lateral"]
+    if top == 0:
+        return math.nan
+    return float(curves["axial_stress"][int(np.argmax(dimension_strains[: top + 1]))])

@@ -1,0 +1,91 @@
+"""All properties of a material on one specimen: E, nu, compressive and tensile strength, friction, in as few tests as it takes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from . import pace as paces
+from .axial import compress, pull
+from .envelope import fit_envelope
+from .material import BondedMaterial
+from .record import TestRecord
+from .rig import STEP, Rig
+from .specimen import Specimen
+
+CONFINED = 0.2
+"""Confinement of the test that gives the friction, over the compressive strength."""
+
+FALL = 0.85
+"""Share of the peak at which a test ends whose curve beyond the peak is not asked for."""
+
+
+@dataclass(frozen=True)
+class Properties:
+    """What was measured on one specimen.
+
+    Attributes
+    ----------
+    young_modulus [Pa], poisson_ratio : float
+        Of the middle of the specimen, by one elastic solve. In 2D those of a plate: plane stress.
+    compressive_strength, tensile_strength : float [Pa]
+    friction_angle : float
+        Of the straight envelope between no confinement and `CONFINED` of the compressive strength [rad].
+    records : tuple of TestRecord
+    """
+
+    young_modulus: float
+    poisson_ratio: float
+    compressive_strength: float
+    tensile_strength: float
+    friction_angle: float
+    records: tuple[TestRecord, ...]
+
+    @property
+    def seconds(self) -> float:
+        """Run time of the tests [s]."""
+        return sum(record.seconds for record in self.records)
+
+
+def measure_properties(
+    specimen: Specimen,
+    material: BondedMaterial,
+    *,
+    expected: dict[str, float] | None = None,
+    confinement: float | None = None,
+    pace: float = paces.PACE,
+    time_share: float = STEP,
+) -> Properties:
+    """Measure E, nu, tension, compression and confined compression.
+
+    Parameters
+    ----------
+    specimen : Specimen
+    material : BondedMaterial
+    expected : dict, optional
+        Axial strains at the peaks by "compression", "tension", "confined": what is missing is found by pilots.
+    confinement : float, optional
+        Of the confined test [Pa]; `CONFINED` of the measured compressive strength where it is left out.
+    pace, time_share : float
+        See `compress`.
+
+    Raises
+    ------
+    InputError
+        As of the tests.
+    """
+    known = expected or {}
+    young, poisson = Rig(specimen, material).elastic_constants()
+    common = {"pace": pace, "time_share": time_share, "fall": FALL}
+    pulled = pull(specimen, material, expected_strain=known.get("tension"), **common)
+    pressed = compress(specimen, material, expected_strain=known.get("compression"), **common)
+    sides = confinement if confinement is not None else CONFINED * pressed.strength
+    guess = known.get("confined")
+    if guess is None and math.isfinite(pressed.numbers["peak_strain"]):
+        # it is farther the more friction there is: with 45 degrees about three times
+        guess = 3.0 * pressed.numbers["peak_strain"]
+    confined = compress(specimen, material, confinement=sides, expected_strain=guess, **common)
+    line = fit_envelope([0.0, sides], [pressed.strength, confined.strength])
+    return Properties(
+        young, poisson, pressed.strength, pulled.strength, line.friction_angle, (pulled, pressed, confined)
+    )
