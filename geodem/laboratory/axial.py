@@ -188,8 +188,8 @@ def _initiation(stress: Floats) -> float:
 
 
 def _damage(curves: dict[str, Floats], top: int) -> float:
-    """Axial stress at which the specimen's middle begins to dilate: the largest volumetric strain before the peak [Pa]."""
-    dimension_strains = curves["gauge_axial"] + curves["gauge_lateral"]
+    """Axial stress [Pa] at which the middle begins to dilate: where its volumetric strain is largest before the peak."""
+    volumetric = curves["gauge_axial"] + curves["gauge_lateral"]
     if top == 0:
         return math.nan
-    return float(curves["axial_stress"][int(np.argmax(dimension_strains[: top + 1]))])
+    return float(curves["axial_stress"][int(np.argmax(volumetric[: top + 1]))])

@@ -38,8 +38,8 @@ class Envelope:
 def fit_envelope(confinement: ArrayLike, strength: ArrayLike) -> Envelope:
     """Straight line through (confinement, strength) by least squares.
 
-    s1 = UCS + N s3 with N = (1 + sin phi)/(1 - sin phi) and UCS = 2 c sqrt(N) (any textbook, e.g. Jaeger, Cook & Zimmerman
-    2007, eq. 4.22).
+    s1 = UCS + N s3 with N = (1 + sin phi)/(1 - sin phi) and UCS = 2 c sqrt(N) (Jaeger, Cook & Zimmerman
+    2007, Fundamentals of Rock Mechanics, eq. 4.22).
 
     Parameters
     ----------

@@ -122,4 +122,6 @@ class BondedMaterial:
             make_parameters(known[name], values, f"material, {kind}")
         if self.distribution not in DISTRIBUTIONS:
             remedy = f"Choose one of: {', '.join(DISTRIBUTIONS)}"
-            raise InputError("material, distribution", "no such distribution", remedy, value=self.distribution)
+            raise InputError(
+                "material, distribution", "no such distribution", remedy, value=self.distribution
+            )

@@ -1,4 +1,4 @@
-"""All properties of a material on one specimen: E, nu, compressive and tensile strength, friction, in as few tests as it takes."""
+"""All properties of a material on one specimen: E, nu, compressive and tensile strength, friction."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """A specimen between two grips: started from the solved elastic state, then moved at a quasi-static rate.
 
-The grips are the particles nearest to the end faces: driven along the axis, free across it, so that the ends are smooth.
-They hold in tension as in compression, without platens, glue or bedding errors.
+The grips are the particles nearest to the end faces: driven along the axis, free across it, so that the ends are
+smooth. They hold in tension as in compression, without platens, glue or bedding errors.
 
 The start is no shock: the elastic state at a share of the load at which the first bond breaks is solved for, and the
 motion goes on from there with the velocities of the solution. Masses are of no account in a quasi-static test, so
@@ -97,7 +97,9 @@ class Rig:
                 "Make it higher, or the particles smaller", value=specimen.height,
             )  # fmt: skip
         build = AssemblyBuilder(d, contact_law=material.contact_law, bond_law=material.bond_law)
-        build.add_material(material.name, density=material.density, contact=material.contact, bond=material.bond)
+        build.add_material(
+            material.name, density=material.density, contact=material.contact, bond=material.bond
+        )
         heavy = material.density * even_density(radii, d)
         build.add_particles(positions, radii, material.name, density=heavy)
         build.bond_within(material.bonding_range, scale=material.scatter(seed))
@@ -166,7 +168,7 @@ class Rig:
         self._solved = True
 
     def elastic_constants(self) -> tuple[float, float]:
-        """Young's modulus [Pa] and Poisson's ratio of the specimen's middle, from the solved state (2D: plane stress)."""
+        """Young's modulus [Pa] and Poisson's ratio of the middle, from the solved state (2D: of a plate)."""
         if not self._solved:
             self.solve()
         strain = self._gradient(self.squeezed[:, : self.dimension])

@@ -140,7 +140,9 @@ def make_specimen(
         A packing or shape that there is not in this dimension, a size that is none, or a specimen too coarse.
     """
     if dimension not in (2, 3):
-        raise InputError("specimen, dimension", "particles are discs or spheres", "Give 2 or 3", value=dimension)
+        raise InputError(
+            "specimen, dimension", "particles are discs or spheres", "Give 2 or 3", value=dimension
+        )
     for name, value, known in (
         ("packing", packing, PACKINGS[dimension]),
         ("shape", shape, SHAPES[dimension]),
@@ -153,7 +155,9 @@ def make_specimen(
         height = (width if dimension == 2 else 0.5 * width) if disc else 2.0 * width
     for name, value in (("width", width), ("height", height)):
         if not (math.isfinite(value) and value > 0.0):
-            raise InputError(f"specimen, {name}", "this is no length", "Give metres, more than 0", value=value)
+            raise InputError(
+                f"specimen, {name}", "this is no length", "Give metres, more than 0", value=value
+            )
     if not (math.isfinite(across) and across >= COARSEST):
         raise InputError(
             "specimen, across", f"{across:g} particles are no continuum: the specimen is too coarse",
