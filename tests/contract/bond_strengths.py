@@ -95,6 +95,8 @@ STRENGTHS = {
     ("two_springs", 2): two_springs(),
     ("parallel_bond", 2): section("parallel_bond", 2),
     ("parallel_bond", 3): section("parallel_bond", 3),
+    ("cement", 2): section("cement", 2),
+    ("cement", 3): section("cement", 3),
     ("rock", 2): section("rock", 2),
     ("rock", 3): section("rock", 3),
     ("rotational_bond", 2): rotational_bond(2),

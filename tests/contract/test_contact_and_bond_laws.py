@@ -366,6 +366,25 @@ def test_a_contact_with_a_modulus_meets_a_wall_with_its_own_half(dimension):
     assert wall[1] == pytest.approx(wall[0] / 2.5, rel=1e-14)
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_cement_is_a_parallel_bond_of_a_beam(dimension):
+    """Potyondy & Cundall 2004, section 3.1: kn = Ec/(ra + rb) and ks = kn/kappa per area; the rest is the same."""
+    given = dict(LAWS["cement"])
+    kn = given.pop("effective_modulus") / (RADIUS_A + RADIUS_B)
+    ks = kn / given.pop("stiffness_ratio")
+    beam = parameters_of(BOND_LAWS["parallel_bond"], **given, normal_stiffness=kn, shear_stiffness=ks)
+    one = Pair(BOND_LAWS["cement"], parameters_of(BOND_LAWS["cement"]), dimension)
+    other = Pair(BOND_LAWS["parallel_bond"], beam, dimension)
+    assert one.stiffness() == pytest.approx(other.stiffness(), rel=1e-14)
+    rng = np.random.default_rng(8)
+    for _ in range(20):
+        motion = random_motion(rng, dimension, size=0.1 * SIZE)
+        a, b = one.step(motion), other.step(motion)
+        assert a.vector() == pytest.approx(b.vector(), rel=1e-12, abs=1e-12 * abs(b.vector()).max())
+        assert a.utilisation == pytest.approx(b.utilisation, rel=1e-12)
+        assert one.energy() == pytest.approx(other.energy(), rel=1e-12)
+
+
 @every_law
 def test_the_theory_has_a_page(law):
     from tests.docs.pages import DOCS

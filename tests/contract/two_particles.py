@@ -92,6 +92,15 @@ LAWS = {
         "friction_coefficient": 0.3,
         "moment_contribution": 0.7,
     },
+    "cement": {
+        "radius_factor": 0.9,
+        "effective_modulus": 2e9,
+        "stiffness_ratio": 2.5,
+        "tensile_strength": 6e5,
+        "shear_strength": 9e5,
+        "friction_coefficient": 0.3,
+        "moment_contribution": 0.7,
+    },
     "rock": {
         "effective_modulus": 2e9,
         "stiffness_ratio": 2.5,
