@@ -19,5 +19,5 @@ def main(arguments: argparse.Namespace) -> int:
     """Print the names."""
     for word, names in (("run", PROBLEMS), ("compare", COMPARISONS), ("bench", BENCHMARKS)):
         for name, module in names.items():
-            print(f"{word:7s} {name:14s} {(module.__doc__ or '').splitlines()[0]}")
+            print(f"{word:7s} {name:18s} {(module.__doc__ or '').splitlines()[0]}")
     return 0

@@ -21,6 +21,7 @@ from reference.pages_engine import SECTIONS, engine_part, write_engine_picture
 from reference.pages_frontier import NAME as FRONTIER
 from reference.pages_frontier import PICTURE as FRONTIER_PICTURE
 from reference.pages_frontier import frontier_part, write_frontier_picture
+from reference.pages_laboratory import laboratory_sections
 from reference.pages_particles import particle_sections
 from reference.pages_tables import DILATIONS, METHODS, Row, by_case, groups, number, sizes, table
 
@@ -167,6 +168,7 @@ def verification_page(
     else:
         parts += [_header(ground), _ground(ground.rows)]
     parts += particle_sections(particles, _header, NOT_RUN)
+    parts += laboratory_sections(particles, _header, NOT_RUN)
     parts += compared_sections(particles, _header, NOT_RUN, compared)
     return "\n".join(parts)
 

@@ -69,8 +69,15 @@ GROUPS = (
 
 def particle_sections(read: Callable[[str], Any], header: Callable[[Any], str], not_run: str) -> list[str]:
     """Texts of all groups; `read` gives what is stored under a name, `header` its origin."""
-    parts = ["## Discs and spheres\n"]
-    for group in GROUPS:
+    return ["## Discs and spheres\n", *group_sections(GROUPS, read, header, not_run)]
+
+
+def group_sections(
+    groups: Sequence[Group], read: Callable[[str], Any], header: Callable[[Any], str], not_run: str
+) -> list[str]:
+    """Texts of groups, each with its figures."""
+    parts = []
+    for group in groups:
         parts.append(f"### {group.title}\n")
         if group.text:
             parts.append(group.text + "\n")

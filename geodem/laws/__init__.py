@@ -15,7 +15,15 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from .bond import cohesive_moments, jointed_cohesive, parallel_bond, rock, rotational_bond, two_springs
+from .bond import (
+    cement,
+    cohesive_moments,
+    jointed_cohesive,
+    parallel_bond,
+    rock,
+    rotational_bond,
+    two_springs,
+)
 from .contact import (
     cohesive_frictional,
     effective_modulus,
@@ -58,6 +66,14 @@ CONTACT_LAWS: dict[str, ModuleType] = {
 
 BOND_LAWS: dict[str, ModuleType] = {
     module.NAME: module
-    for module in (two_springs, parallel_bond, rotational_bond, rock, cohesive_moments, jointed_cohesive)
+    for module in (
+        two_springs,
+        parallel_bond,
+        cement,
+        rotational_bond,
+        rock,
+        cohesive_moments,
+        jointed_cohesive,
+    )
 }
 """Laws of bonded particles by name."""

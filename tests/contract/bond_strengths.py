@@ -37,10 +37,13 @@ def two_springs():
     ]
 
 
-def parallel_bond(dimension):
-    """Potyondy & Cundall 2004, eqs 14-17, with the moments' share beta and the friction of the shear strength."""
-    given = LAWS["parallel_bond"]
-    radius = given["radius_factor"] * RADIUS_B
+def section(name, dimension):
+    """Potyondy & Cundall 2004, eqs 14-17, with the moments' share beta and the friction of the shear strength.
+
+    The section's radius is that of the smaller grain, times a radius factor where the law has one.
+    """
+    given = LAWS[name]
+    radius = given.get("radius_factor", 1.0) * RADIUS_B
     area, inertia = (2 * radius, 2 / 3 * radius**3)
     if dimension == 3:
         area, inertia = (pi * radius**2, pi / 4 * radius**4)
@@ -90,8 +93,12 @@ def rotational_bond(dimension):
 
 STRENGTHS = {
     ("two_springs", 2): two_springs(),
-    ("parallel_bond", 2): parallel_bond(2),
-    ("parallel_bond", 3): parallel_bond(3),
+    ("parallel_bond", 2): section("parallel_bond", 2),
+    ("parallel_bond", 3): section("parallel_bond", 3),
+    ("cement", 2): section("cement", 2),
+    ("cement", 3): section("cement", 3),
+    ("rock", 2): section("rock", 2),
+    ("rock", 3): section("rock", 3),
     ("rotational_bond", 2): rotational_bond(2),
     ("rotational_bond", 3): rotational_bond(3),
 }

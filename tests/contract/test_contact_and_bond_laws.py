@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from geodem._jit import compile_kernel
+from geodem.kernels.wall_geometry import RIGID
 from geodem.laws import BOND_LAWS, CONTACT_LAWS
+from geodem.laws.contact import effective_modulus
 from geodem.laws.protocol import argument_names, check_law, constants, history_names, in_dimension
 from tests.contract.bond_strengths import STRENGTHS
 from tests.contract.two_particles import (
@@ -15,7 +17,10 @@ from tests.contract.two_particles import (
     LAWS,
     LOSSLESS,
     NOT_LINEAR,
+    OF_ITS_LENGTH,
     OF_OTHER_CODES,
+    RADIUS_A,
+    RADIUS_B,
     REGISTERED,
     SHEAR_FOLLOWS_LOAD,
     SIZE,
@@ -330,19 +335,54 @@ def test_two_materials(law):
     assert law.combine(first, first) == first
     both = law.combine(first, second)
     assert law.combine(second, first) == pytest.approx(both, rel=1e-15)
-    stiff = {name for name in first._fields if name.endswith(("_stiffness", "young_modulus"))}
+    stiff = {name for name in first._fields if name.endswith(("_stiffness", "_modulus"))}
     assert stiff
     rigid = first._replace(**dict.fromkeys(stiff, 1e30))
     wall = law.against_rigid(first)
     for name in stiff:
         one, other = getattr(first, name), getattr(second, name)
         assert getattr(both, name) == pytest.approx(1.0 / (0.5 / one + 0.5 / other), rel=1e-14)
-        assert getattr(wall, name) == pytest.approx(getattr(law.combine(first, rigid), name), rel=1e-14)
+        half = first if law.NAME in OF_ITS_LENGTH else law.combine(first, rigid)
+        assert getattr(wall, name) == pytest.approx(getattr(half, name), rel=1e-14)
     for name in set(first._fields) - stiff:
         assert getattr(wall, name) == getattr(first, name)
         # neither stronger than the stronger material nor weaker than the weaker one
         assert getattr(first, name) <= getattr(both, name) <= getattr(second, name)
     assert law.check(both) == law.check(wall) == []
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_contact_with_a_modulus_meets_a_wall_with_its_own_half(dimension):
+    """Potyondy & Cundall 2004: beams from the centres, Ec A/(ra + rb); to a wall from the centre to the surface."""
+    law = effective_modulus
+    parameters = parameters_of(law)
+    area = 2 * RADIUS_B if dimension == 2 else np.pi * RADIUS_B**2
+    inner = Pair(law, parameters, dimension).stiffness()
+    assert inner[0] == pytest.approx(2e9 * area / (RADIUS_A + RADIUS_B), rel=1e-14)
+    assert inner[1] == pytest.approx(inner[0] / 2.5, rel=1e-14)
+    # a wall as the loops show it to a law
+    wall = Pair(law, law.against_rigid(parameters), dimension, radii=(RADIUS_B, RIGID * RADIUS_B)).stiffness()
+    assert wall[0] == pytest.approx(2e9 * area / RADIUS_B, rel=1e-14)
+    assert wall[1] == pytest.approx(wall[0] / 2.5, rel=1e-14)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_cement_is_a_parallel_bond_of_a_beam(dimension):
+    """Potyondy & Cundall 2004, section 3.1: kn = Ec/(ra + rb) and ks = kn/kappa per area; the rest is the same."""
+    given = dict(LAWS["cement"])
+    kn = given.pop("effective_modulus") / (RADIUS_A + RADIUS_B)
+    ks = kn / given.pop("stiffness_ratio")
+    beam = parameters_of(BOND_LAWS["parallel_bond"], **given, normal_stiffness=kn, shear_stiffness=ks)
+    one = Pair(BOND_LAWS["cement"], parameters_of(BOND_LAWS["cement"]), dimension)
+    other = Pair(BOND_LAWS["parallel_bond"], beam, dimension)
+    assert one.stiffness() == pytest.approx(other.stiffness(), rel=1e-14)
+    rng = np.random.default_rng(8)
+    for _ in range(20):
+        motion = random_motion(rng, dimension, size=0.1 * SIZE)
+        a, b = one.step(motion), other.step(motion)
+        assert a.vector() == pytest.approx(b.vector(), rel=1e-12, abs=1e-12 * abs(b.vector()).max())
+        assert a.utilisation == pytest.approx(b.utilisation, rel=1e-12)
+        assert one.energy() == pytest.approx(other.energy(), rel=1e-12)
 
 
 @every_law

@@ -50,6 +50,7 @@ LAWS = {
         "normal_viscosity": 1e-5,
         "shear_viscosity": 2e-5,
     },
+    "effective_modulus": {"effective_modulus": 2e9, "stiffness_ratio": 2.5, "friction_coefficient": 0.4},
     "hertz": {"young_modulus": 5e10, "poisson_ratio": 0.2},
     "hertz_mindlin": {
         "young_modulus": 5e10,
@@ -86,6 +87,23 @@ LAWS = {
         "radius_factor": 0.9,
         "normal_stiffness": 1e11,
         "shear_stiffness": 4e10,
+        "tensile_strength": 6e5,
+        "shear_strength": 9e5,
+        "friction_coefficient": 0.3,
+        "moment_contribution": 0.7,
+    },
+    "cement": {
+        "radius_factor": 0.9,
+        "effective_modulus": 2e9,
+        "stiffness_ratio": 2.5,
+        "tensile_strength": 6e5,
+        "shear_strength": 9e5,
+        "friction_coefficient": 0.3,
+        "moment_contribution": 0.7,
+    },
+    "rock": {
+        "effective_modulus": 2e9,
+        "stiffness_ratio": 2.5,
         "tensile_strength": 6e5,
         "shear_strength": 9e5,
         "friction_coefficient": 0.3,
@@ -128,6 +146,8 @@ OF_OTHER_CODES = {
 }
 """Laws in the conventions of YADE and LIGGGHTS: `test_laws_of_other_codes` says what they promise."""
 
+OF_ITS_LENGTH = {"effective_modulus"}
+"""Stiffness of a beam over its length, which is shorter at a wall: no parameter says that."""
 NOT_LINEAR = {"hertz"}
 SHEAR_FOLLOWS_LOAD = {"hertz_mindlin", "hertz_mindlin_rolling", "hertz_dmt"}
 """The shear spring is stiffer the more the two are pressed, and loses some of its energy as that changes."""

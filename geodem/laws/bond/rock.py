@@ -1,12 +1,13 @@
 """Bond of rock: breaks by tension, or by shear with a cohesion and a friction of its own; bending hardly counts.
 
-Reference: section and stiffness of Potyondy & Cundall (2004), A bonded-particle model for rock, Int. J. Rock Mech. Min.
-Sci. 41:1329-1364, eqs 11-17, written with an effective modulus as in their eqs 23-24; the moment contribution factor of
-Potyondy (2011), Parallel-bond refinements to match macroproperties of hard rock, Proc. 2nd Int. FLAC/DEM Symposium; shear
-strength with friction as in Scholtes & Donze (2013), A DEM model for soft and hard rocks, J. Mech. Phys. Solids 61:352-369,
-eqs 4-5. A bond in place of the contact: its section carries the whole force until it breaks.
-With the full bending moment in the break check (beta = 1) compressive over tensile strength stays near 4, whatever the
-cohesion; without it, cohesion and friction choose that ratio and the slope of the envelope.
+Reference: section and stiffness of Potyondy & Cundall (2004), A bonded-particle model for rock, Int. J. Rock Mech.
+Min. Sci. 41:1329-1364, eqs 11-17, written with an effective modulus as in their section 3.1; the moment contribution
+factor of Potyondy (2011), Parallel-bond refinements to match macroproperties of hard rock, Proc. 2nd Int. FLAC/DEM
+Symposium; shear strength with friction as in Scholtes & Donze (2013), A DEM model for soft and hard rocks, J. Mech.
+Phys. Solids 61:352-369. A bond in place of the contact: its section carries the whole force until it breaks.
+With the full bending moment in the break check (beta = 1) the compressive strength of bonded discs stays near four
+times the tensile one, whatever the cohesion; without it, cohesion and friction choose that ratio and the slope of the
+envelope.
 """
 
 from __future__ import annotations
@@ -77,22 +78,26 @@ def force(
     area = math.pi * height * height if SPHERES else 2.0 * height
     # I/A, the square of the radius of gyration; J/A is twice that
     gyration = 0.25 * height * height if SPHERES else height * height / 3.0
-    kn = effective_modulus * area / (radius_a + radius_b)
+    per_area = effective_modulus / (radius_a + radius_b)
+    kn = per_area * area
     ks = kn / stiffness_ratio
+    k_bend = kn * gyration
     normal = kn * overlap
     x = shear_x + ks * slip_x
     y = shear_y + ks * slip_y
     z = shear_z + ks * slip_z
-    bent_x = bending_x + kn * gyration * bend_x
-    bent_y = bending_y + kn * gyration * bend_y
-    bent_z = bending_z + kn * gyration * bend_z
+    bent_x = bending_x + k_bend * bend_x
+    bent_y = bending_y + k_bend * bend_y
+    bent_z = bending_z + k_bend * bend_z
     twisted = twisting + 2.0 * ks * gyration * twist
-    pressure = normal / area
-    rim = moment_contribution * height / (gyration * area)
+    pressure = per_area * overlap
+    # one division for all stresses: h/I is 4/(A h) of a disc and 3/(A h) of a strip
+    inverse = 1.0 / (area * height)
+    rim = (4.0 if SPHERES else 3.0) * moment_contribution * inverse
     bending = math.sqrt(bent_x * bent_x + bent_y * bent_y + bent_z * bent_z)
     shear = math.sqrt(x * x + y * y + z * z)
     tension = rim * bending - pressure
-    shearing = shear / area + 0.5 * rim * abs(twisted)
+    shearing = shear * height * inverse + 0.5 * rim * abs(twisted)
     tension_utilisation = tension / (scale * tensile_strength)
     shear_utilisation = (shearing - friction_coefficient * pressure) / (scale * shear_strength)
     return (

@@ -23,6 +23,8 @@ VISCOUS = False
 
 # The section: a disc between spheres, else a strip of one metre depth between discs; set by the kernel's module.
 SPHERES = True
+# Radius over that of the grain from which the other is a wall, as laws are told it: the beam ends at the surface.
+WALL_RADIUS = 1e12
 
 
 class EffectiveModulusParameters(NamedTuple):
@@ -40,7 +42,9 @@ def force(
     effective_modulus, stiffness_ratio, friction_coefficient,
     overlap, slip_x, slip_y, slip_z, radius_a, radius_b, shear_x, shear_y, shear_z,
 ):  # fmt: skip
-    """Forces after a step: kn = Ec A/(ra + rb), Fn = kn u, Fs = Fs + (kn/kappa) slip with |Fs| <= mu Fn.
+    """Forces after a step: kn = Ec A/L, Fn = kn u, Fs = Fs + (kn/kappa) slip with |Fs| <= mu Fn.
+
+    A is the section of the smaller grain, L = ra + rb the length of the beam, to a wall L = ra.
 
     Returns
     -------
@@ -51,7 +55,7 @@ def force(
     """
     height = radius_a if radius_a < radius_b else radius_b
     area = math.pi * height * height if SPHERES else 2.0 * height
-    kn = effective_modulus * area / (radius_a + radius_b)
+    kn = effective_modulus * area / (radius_a + (radius_b if radius_b < WALL_RADIUS * radius_a else 0.0))
     ks = kn / stiffness_ratio
     normal = kn * overlap
     x = shear_x + ks * slip_x
@@ -71,7 +75,7 @@ def energy(effective_modulus, stiffness_ratio, overlap, radius_a, radius_b, shea
     """Elastic energy kn u^2/2 + Fs^2/(2 ks) [J]."""
     height = radius_a if radius_a < radius_b else radius_b
     area = math.pi * height * height if SPHERES else 2.0 * height
-    kn = effective_modulus * area / (radius_a + radius_b)
+    kn = effective_modulus * area / (radius_a + (radius_b if radius_b < WALL_RADIUS * radius_a else 0.0))
     squared = shear_x * shear_x + shear_y * shear_y + shear_z * shear_z
     return 0.5 * (kn * overlap * overlap + squared * stiffness_ratio / kn)
 
@@ -80,7 +84,7 @@ def stiffness(effective_modulus, stiffness_ratio, radius_a, radius_b):
     """Tangent stiffness kn, ks [N/m], twist, bend [N m/rad]."""
     height = radius_a if radius_a < radius_b else radius_b
     area = math.pi * height * height if SPHERES else 2.0 * height
-    kn = effective_modulus * area / (radius_a + radius_b)
+    kn = effective_modulus * area / (radius_a + (radius_b if radius_b < WALL_RADIUS * radius_a else 0.0))
     return kn, kn / stiffness_ratio, 0.0, 0.0
 
 
@@ -97,16 +101,9 @@ def combine(
     )
 
 
-WALL_RADIUS = 1e15
-"""Radius of a wall over the grain's, as laws are told it."""
-
-
 def against_rigid(parameters: EffectiveModulusParameters) -> EffectiveModulusParameters:
-    """Contact with a rigid wall: the beam from the centre to the surface, so kn = Ec A/ra.
-
-    The wall's radius makes ra + rb huge; the modulus is as many times larger.
-    """
-    return parameters._replace(effective_modulus=WALL_RADIUS * parameters.effective_modulus)
+    """Contact with a rigid wall: the same modulus; the beam from the centre to the surface is shorter."""
+    return parameters
 
 
 def check(parameters: EffectiveModulusParameters) -> list[Fault]:
