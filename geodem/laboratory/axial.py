@@ -188,7 +188,7 @@ def _initiation(stress: Floats) -> float:
 
 
 def _damage(curves: dict[str, Floats], top: int) -> float:
-    """Axial stress [Pa] at which the middle begins to dilate: where its volumetric strain is largest before the peak."""
+    """Axial stress [Pa] where the middle begins to dilate: its volumetric strain is largest, before the peak."""
     volumetric = curves["gauge_axial"] + curves["gauge_lateral"]
     if top == 0:
         return math.nan

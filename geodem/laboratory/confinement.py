@@ -2,8 +2,8 @@
 
 Rays across the axis, a fraction of a particle apart, meet the outermost particle from both sides; each gives it the
 pressure times the area it stands for. Of a pressure on a closed surface the component across the axis is the pressure
-on the projected area, so the resultants are exact whatever the shape, and what bulges is pressed where it is then. Parts
-that have come off and touch nothing are not pressed: one of them would carry the rays' share away.
+on the projected area, so the resultants are exact whatever the shape, and what bulges is pressed where it is
+then. Parts that have come off and touch nothing are not pressed: one of them would carry the rays' share away.
 """
 
 from __future__ import annotations
