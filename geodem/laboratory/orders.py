@@ -1,0 +1,240 @@
+"""A test as an order: data that says all of it, so that any process can carry it out, store it and find it again."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError
+from ..io.checkpoint import CheckpointFormat, checksum, read_checkpoint, write_checkpoint
+from ..provenance import sources_digest
+from . import pace as paces
+from .axial import FALL, compress, pull
+from .material import BondedMaterial
+from .record import Cracks, Floats, TestRecord
+from .rig import Watch
+from .specimen import Specimen, make_specimen
+
+TEST = CheckpointFormat(
+    "geodem-test",
+    1,
+    "a test of the laboratory",
+    "Give a file of the folder 'tests' that 'geodem lab' wrote",
+    "Take it away: the test is then made again",
+)
+
+
+@dataclass(frozen=True)
+class TestOrder:
+    """One test on one specimen.
+
+    Attributes
+    ----------
+    kind : str
+        One of `KINDS`.
+    specimen : dict
+        Arguments of `make_specimen`, the seed among them.
+    material : BondedMaterial
+    stress : float
+        Confinement of a triaxial test, normal stress of a direct shear test [Pa].
+    pace, fall : float
+        As of `geodem.laboratory.axial.compress`; tests of another sort have their own end.
+    expected_strain : float or None
+        As of `compress`.
+    """
+
+    __test__ = False  # not one of pytest's
+
+    kind: str
+    specimen: Mapping[str, Any]
+    material: BondedMaterial
+    stress: float = 0.0
+    pace: float = paces.PACE
+    fall: float = FALL
+    expected_strain: float | None = field(default=None)
+
+    @property
+    def seed(self) -> int:
+        """Of the specimen and of the scatter of its strengths."""
+        return int(self.specimen.get("seed", 1))
+
+    @property
+    def name(self) -> str:
+        """Of its files: kind, stress where there is one, and seed."""
+        stress = f"-{self.stress / 1e6:.6g}MPa" if self.stress else ""
+        return f"{self.kind}{stress}-{self.seed}"
+
+    def identity(self) -> str:
+        """Hash of all that decides the result: the order, geodem's sources and the libraries' versions."""
+        text = json.dumps(asdict(self), sort_keys=True, default=float)
+        return hashlib.sha256(f"{sources_digest()}{text}".encode()).hexdigest()
+
+    def cost(self) -> float:
+        """About how many steps of a particle it takes; only to be compared with that of other orders."""
+        d = int(self.specimen["dimension"])
+        across = float(self.specimen["across"])
+        high = self._slenderness() * across
+        return high * across ** (d - 1) * high * self.pace * KINDS[self.kind].length
+
+    def _slenderness(self) -> float:
+        height, width = self.specimen.get("height"), float(self.specimen["width"])
+        return 2.0 if height is None else float(height) / width
+
+
+@dataclass(frozen=True, eq=False)
+class FinishedTest:
+    """What an order ended with.
+
+    Attributes
+    ----------
+    order : TestOrder
+    record : TestRecord
+    radii : (n,) [m]
+        Of the specimen.
+    size : (d,) [m]
+        Of the box around it.
+    compile_seconds : float
+        Spent on compiling or loading kernels where it was carried out.
+    """
+
+    order: TestOrder
+    record: TestRecord
+    radii: Floats
+    size: Floats
+    compile_seconds: float
+
+    def digest(self) -> str:
+        """Hash of the bits of the answer, whatever the time it took."""
+        tree = _tree(self)
+        del tree["seconds"]
+        return checksum({"identity": self.order.identity(), **tree})
+
+
+@dataclass(frozen=True)
+class TestKind:
+    """How a kind of test is made.
+
+    Attributes
+    ----------
+    make : callable
+        (specimen, order, watch) -> TestRecord
+    shape : str or None
+        Of its specimen; None: that of the order.
+    length : float
+        Steps until it ends, over those to the peak of a compression test.
+    stress : str
+        What its stress is called; empty where it has none.
+    """
+
+    __test__ = False
+
+    make: Callable[[Specimen, TestOrder, Watch | None], TestRecord]
+    shape: str | None = None
+    length: float = 1.0
+    stress: str = ""
+
+
+def carry_out(order: TestOrder, watch: Watch | None = None) -> FinishedTest:
+    """Make the specimen and test it, in this process.
+
+    Parameters
+    ----------
+    order : TestOrder
+    watch : callable, optional
+        Is told the strain and the stress now and then.
+
+    Raises
+    ------
+    InputError
+        No such test; as of `make_specimen` and of the test.
+    """
+    from .._jit import compile_seconds
+
+    before = compile_seconds()
+    specimen = specimen_of(order)
+    record = KINDS[order.kind].make(specimen, order, watch)
+    return FinishedTest(order, record, specimen.radii, specimen.size, compile_seconds() - before)
+
+
+def specimen_of(order: TestOrder) -> Specimen:
+    """The specimen of an order; raises InputError where there is no such test, or as `make_specimen`."""
+    if order.kind not in KINDS:
+        remedy = f"Choose one of: {', '.join(KINDS)}"
+        raise InputError("test, kind", "there is no such test", remedy, value=order.kind)
+    arguments = dict(order.specimen)
+    shape = KINDS[order.kind].shape
+    if shape is not None and shape != arguments.get("shape"):
+        # the height was given for another shape
+        arguments.update(shape=shape, height=None)
+    return make_specimen(**arguments)
+
+
+def write_test(path: Path, test: FinishedTest) -> None:
+    """Store a finished test, whole or not at all.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    tree = {**_tree(test), "identity": test.order.identity(), "compile_seconds": test.compile_seconds}
+    write_checkpoint(path, tree, TEST)
+
+
+def find_test(path: Path, order: TestOrder) -> FinishedTest | None:
+    """The finished test of exactly this order; None where the file is not there, damaged, or of another."""
+    if not path.is_file():
+        return None
+    try:
+        tree = read_checkpoint(path, TEST)
+    except InputError:
+        return None
+    if tree.pop("identity") != order.identity():
+        return None
+    cracks = Cracks(**tree["cracks"])
+    radii, size, compiled = (tree.pop(name) for name in ("radii", "size", "compile_seconds"))
+    record = TestRecord(**{**tree, "cracks": cracks, "warnings": tuple(tree["warnings"])})
+    return FinishedTest(order, record, radii, size, compiled)
+
+
+def _tree(test: FinishedTest) -> dict[str, Any]:
+    r = test.record
+    plain = ("kind", "strength", "failed", "reason", "numbers", "steps", "seconds", "seed")
+    return {
+        **{name: getattr(r, name) for name in plain},
+        "warnings": list(r.warnings),
+        "curves": {name: np.asarray(curve) for name, curve in r.curves.items()},
+        "cracks": {name: getattr(r.cracks, name) for name in Cracks.__dataclass_fields__},
+        "positions": r.positions,
+        "displacements": r.displacements,
+        "radii": test.radii,
+        "size": test.size,
+    }
+
+
+def _compress(specimen: Specimen, order: TestOrder, watch: Watch | None) -> TestRecord:
+    return compress(
+        specimen, order.material, confinement=order.stress, expected_strain=order.expected_strain,
+        pace=order.pace, fall=order.fall, seed=order.seed, watch=watch,
+    )  # fmt: skip
+
+
+def _pull(specimen: Specimen, order: TestOrder, watch: Watch | None) -> TestRecord:
+    return pull(
+        specimen, order.material, expected_strain=order.expected_strain, pace=order.pace, fall=order.fall,
+        seed=order.seed, watch=watch,
+    )  # fmt: skip
+
+
+KINDS = {
+    "uniaxial-compression": TestKind(_compress, length=1.6),
+    "triaxial-compression": TestKind(_compress, length=2.0, stress="confinement"),
+    "direct-tension": TestKind(_pull, length=1.1),
+}
+"""Tests by name; their lengths are means over the rocks of `reference/problems/rocks.toml`."""
