@@ -4,6 +4,9 @@ Rays across the axis, a fraction of a particle apart, meet the outermost particl
 pressure times the area it stands for. Of a pressure on a closed surface the component across the axis is the pressure
 on the projected area, so the resultants are exact whatever the shape, and what bulges is pressed where it is
 then. Parts that have come off and touch nothing are not pressed: one of them would carry the rays' share away.
+
+A force acts where its ray meets the surface: between spheres that hide each other in part it turns them about the axis
+of loading, and only with these torques the pressure does not turn the specimen as a whole.
 """
 
 from __future__ import annotations
@@ -11,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..kernels.outermost import outermost
 from ..particle_simulation import ParticleSimulation
 
 Floats = NDArray[np.float64]
@@ -35,51 +39,50 @@ class Confinement:
         self.high = high
         self.spacing = smallest / RAYS
 
-    def forces(self, positions: Floats, radii: Floats, joined: NDArray[np.bool_]) -> Floats:
-        """Forces (n, d) of a pressure of 1 [N/Pa] on the particles that are `joined` to the rest.
+    def loads(self, positions: Floats, radii: Floats, joined: NDArray[np.bool_]) -> Floats:
+        """Forces and torques (n, d + s) of a pressure of 1 [N/Pa, N m/Pa] on the particles that are `joined`.
 
         Parameters
         ----------
         positions : (n, d) [m]
         radii : (n,) [m]
         joined : (n,) bool
+            To the rest: the others are not there.
         """
-        d = positions.shape[1]
+        count, d = positions.shape
         which = np.flatnonzero(joined)
-        found = np.zeros_like(positions)
+        found = np.zeros((count, 3 if d == 2 else 6))
         for axis in range(d - 1):
-            across = [k for k in range(d) if k != axis]
-            found[which, axis] = self._pressed(positions[which], radii[which], axis, across)
+            force, turn = self._pressed(positions[which], radii[which], axis)
+            found[which, axis] = force
+            if d == 3:
+                # a force along x turns by what it lies aside in y, one along y by what it lies aside in x
+                found[which, 5] += turn if axis == 1 else -turn
         return found
 
-    def _pressed(self, positions: Floats, radii: Floats, axis: int, across: list[int]) -> Floats:
-        """Resultants (k,) of both sides along one axis."""
+    def _pressed(self, positions: Floats, radii: Floats, axis: int) -> tuple[Floats, Floats]:
+        """Resultants (k,) of both sides along one axis, and their moments about the particles' axes of loading."""
         h = self.spacing
+        across = [k for k in range(positions.shape[1]) if k != axis]
         low = np.array([(positions[:, k] - radii).min() for k in across])
         high = np.array([(positions[:, k] + radii).max() for k in across])
         low[-1], high[-1] = self.low, self.high
-        counts = np.maximum(((high - low) / h).astype(np.int64), 1)
-        first = np.ceil((positions[:, across] - radii[:, None] - low) / h - 0.5).astype(np.int64)
-        width = int(np.ceil(2.0 * radii.max() / h)) + 1
-        steps = np.stack(np.meshgrid(*[np.arange(width)] * len(across), indexing="ij"), -1).reshape(
-            -1, len(across)
-        )
-        cell = first[:, None, :] + steps
-        away = low + (cell + 0.5) * h - positions[:, None, across]
-        reach = radii[:, None] ** 2 - (away**2).sum(axis=2)
-        met = (reach > 0.0) & (cell >= 0).all(axis=2) & (cell < counts).all(axis=2)
-        particle = np.broadcast_to(np.arange(len(radii))[:, None], met.shape)[met]
-        ray = cell[met][:, 0] if len(across) == 1 else cell[met][:, 0] * counts[1] + cell[met][:, 1]
-        half = np.sqrt(reach[met])
-        result = np.zeros(len(radii))
+        cells = tuple(int(c) for c in np.maximum(((high - low) / h).astype(np.int64), 1))
+        met = outermost(
+            np.ascontiguousarray(positions[:, axis]), positions[:, across], radii, low, h, cells
+        ).reshape(2, -1)
         area = h ** len(across)
-        for sign in (1.0, -1.0):
+        force, turn = np.zeros(len(radii)), np.zeros(len(radii))
+        aside = low[0] + (np.arange(cells[0]) + 0.5) * h
+        for sign, owner in zip((1.0, -1.0), met, strict=True):
             # the side where the coordinate is lowest is pressed upwards
-            front = sign * positions[particle, axis] - half
-            order = np.lexsort((particle, front, ray))
-            outermost = order[np.flatnonzero(np.diff(ray[order], prepend=-1))]
-            result += sign * area * np.bincount(particle[outermost], minlength=len(radii))
-        return result
+            rays = np.flatnonzero(owner >= 0)
+            particle = owner[rays]
+            force += sign * area * np.bincount(particle, minlength=len(radii))
+            if len(across) == 2:
+                away = aside[rays // cells[1]] - positions[particle, across[0]]
+                turn += sign * area * np.bincount(particle, away, minlength=len(radii))
+        return force, turn
 
 
 def joined_to_most(simulation: ParticleSimulation) -> NDArray[np.bool_]:

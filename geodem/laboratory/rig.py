@@ -108,8 +108,8 @@ class Rig:
         self.sides = Confinement(float(along.min()), float(along.max()), float(radii.min()))
         if confinement:
             # compiled in from the start; the place of the forces is looked up again and again
-            force = confinement * self.sides.forces(positions, radii, np.ones(len(radii), bool))
-            build.apply(np.arange(len(radii)), force=force)
+            load = confinement * self.sides.loads(positions, radii, np.ones(len(radii), bool))
+            build.apply(np.arange(len(radii)), force=load[:, :d], torque=load[:, d:])
         self.simulation = s = ParticleSimulation(build.build(), local_damping=DAMPING, orientation=False)
         s.time_step = s.span = time_share * s.critical_time_step
         self.start = s.positions
@@ -138,9 +138,8 @@ class Rig:
         links = touching_links(s)
         network = build_network(np.ascontiguousarray(s.now[:, s.columns.position]), links)
         held = np.array(s.assembly.held[ids])
-        linked = np.zeros(len(ids), dtype=bool)
-        linked[links.first] = linked[links.second] = True
-        solver = NetworkSolver(network, held=held | ~linked[:, None])
+        joined = joined_to_most(s)
+        solver = NetworkSolver(network, held=held | ~joined[ids][:, None] | self._pinned(joined)[ids])
         shape = held.shape
         upper = np.zeros(len(ids), dtype=bool)
         upper[self.upper] = True
@@ -158,14 +157,26 @@ class Rig:
         nothing = np.zeros(shape)
         self.modulus = resultant(self.squeezed, nothing)
         if self.confinement:
-            load = nothing.copy()
-            load[:, :d] = self.sides.forces(self.start, self.specimen.radii, linked_by_id(linked, ids))[ids]
+            load = self.sides.loads(self.start, self.specimen.radii, joined)[ids]
             self.pressed[ids] = solver.solve(load)
             # strain at which the axis is under the pressure of the sides
             self.even = (1.0 - resultant(self.pressed, load)) / self.modulus
         else:
             self.even = 0.0
         self._solved = True
+
+    def _pinned(self, joined: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Freedoms (n, d + s), held for a solve, that keep the specimen in place across the axis.
+
+        Nothing pushes it there and it does not turn: they bear no force, and the solution is unique.
+        """
+        found = np.zeros_like(self.simulation.assembly.held)
+        along = np.where(joined[self.lower], self.start[self.lower, 0], math.nan)
+        first, last = self.lower[np.nanargmin(along)], self.lower[np.nanargmax(along)]
+        found[first, : self.dimension - 1] = True
+        if self.dimension == 3:
+            found[last, 1] = True
+        return found
 
     def elastic_constants(self) -> tuple[float, float]:
         """Young's modulus [Pa] and Poisson's ratio of the middle, from the solved state (2D: of a plate)."""
@@ -254,8 +265,8 @@ class Rig:
     def refresh(self) -> None:
         """Let the pressure act on what lies outermost now."""
         s = self.simulation
-        found = self.sides.forces(s.positions, self.specimen.radii, joined_to_most(s))
-        s.arrays.applied[:, : self.dimension] = self.confinement * found[s.arrays.ids]
+        found = self.sides.loads(s.positions, self.specimen.radii, joined_to_most(s))
+        s.arrays.applied[:] = self.confinement * found[s.arrays.ids]
 
     def axial_stress(self) -> float:
         """Mean of the stresses at both grips [Pa]."""
@@ -271,13 +282,6 @@ class Rig:
         """Axial strain, and mean strain across, in the middle; positive in compression."""
         gradient = self._gradient(self.simulation.positions - self.start)
         return -float(gradient[-1, -1]), -float(np.diag(gradient)[:-1].mean())
-
-
-def linked_by_id(linked: NDArray[np.bool_], ids: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """A mask by row as a mask by particle."""
-    found = np.empty_like(linked)
-    found[ids] = linked
-    return found
 
 
 def even_density(radii: Floats, dimension: int) -> Floats:
