@@ -13,6 +13,7 @@ COMMANDS = {
     "run": "reference.run_command",
     "compare": "reference.compare_command",
     "bench": "reference.bench_command",
+    "map": "reference.rock_map",
     "limit-equilibrium": "reference.limit_equilibrium_command",
     "pages": "reference.pages",
 }
