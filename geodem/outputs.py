@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ from .analysis import Analysis
 from .builders.ground import downhill
 from .building import picture_bytes, portable_text
 from .case import ImageSection
-from .io.files import write_whole
+from .io.files import write_json, write_whole
 from .io.history import write_history
 from .io.vtkhdf import write_vtkhdf
 from .measure.failure import Failure, describe_failure
@@ -96,9 +95,7 @@ def write_outputs(
     write_trials(analysis, folder)
     draw_outputs(analysis, folder, result, failures)
     # last, so that a result that says "done" has everything beside it
-    result = _finite(result)
-    write_whole(folder / "result.json", json.dumps(result, indent=1, ensure_ascii=False) + "\n")
-    return result
+    return write_json(folder / "result.json", result)
 
 
 def draw_outputs(
@@ -259,14 +256,3 @@ def _attach_reference(result: dict[str, Any]) -> None:
             continue
         difference = 100.0 * (entry["value"] / value - 1.0)
         entry["reference"] = {"value": value, "how": how, "difference_percent": round(difference, 3)}
-
-
-def _finite(value: Any) -> Any:
-    """JSON knows neither NaN nor infinity: both become null."""
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, dict):
-        return {key: _finite(entry) for key, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_finite(entry) for entry in value]
-    return value

@@ -15,7 +15,7 @@ from .building import case_identity, portable_text, quick
 from .case import Case, load_case
 from .errors import InputError, StoppedError
 from .io.checkpoint import read_checkpoint
-from .io.files import cannot_write, remove_unfinished
+from .io.files import cannot_write, read_json, remove_unfinished
 from .outputs import draw_outputs, write_case, write_outputs
 from .provenance import sources_digest
 
@@ -124,7 +124,7 @@ def redraw(folder: Path | str) -> Path:
     folder = Path(folder)
     read_checkpoint(folder / "checkpoint.h5")
     analysis = Analysis.from_checkpoint(load_case(folder / "case.toml"), folder)
-    stored = _stored(folder)
+    stored = read_json(folder / "result.json")
     if stored is None:
         write_outputs(analysis, folder, {"methods": [], "why": "the run was not finished"})
     else:
@@ -174,7 +174,7 @@ def limit_equilibrium(case_file: Path) -> dict[str, Any]:
 
 def _go_on(analysis: Analysis, folder: Path, command: str) -> dict[str, Any]:
     remove_unfinished(folder)
-    stored = _stored(folder)
+    stored = read_json(folder / "result.json")
     if analysis.done() and stored is not None and stored.get("status") == "done":
         if (folder / "report.html").is_file():
             return stored
@@ -195,14 +195,6 @@ def _finish(analysis: Analysis, folder: Path, command: str) -> dict[str, Any]:
     result = write_outputs(analysis, folder, neighbours, command)
     analysis.save()
     return result
-
-
-def _stored(folder: Path) -> dict[str, Any] | None:
-    """What result.json holds; None where there is none that can be read."""
-    try:
-        return dict(json.loads((folder / "result.json").read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError):
-        return None
 
 
 def _standing(folder: Path, case: Case, source: Path | None) -> str | None:

@@ -117,14 +117,19 @@ class MapTable:
         """A micro-parameter of every row."""
         return np.array([row.micro.get(name, DEFAULTS.get(name, math.nan)) for row in self.rows])
 
-    def macro(self, name: str) -> list[Floats]:
+    def macro(self, name: str) -> list[dict[int, float]]:
         """A macro answer of every row: its finite values by seed, in the scale in which they scatter."""
         found = []
         for row in self.rows:
-            values = np.array(row.macro[name]) if name in row.macro else np.empty(0)
-            values = values[np.isfinite(values)]
-            found.append(np.log(values) if name in LOGARITHMIC else values)
+            values = zip(row.seeds, row.macro.get(name, ()), strict=False)
+            kept = {seed: value for seed, value in values if math.isfinite(value)}
+            found.append({seed: to_scale(name, value) for seed, value in kept.items()})
         return found
+
+
+def to_scale(name: str, value: float) -> float:
+    """A macro answer in the scale in which it scatters: the logarithm of moduli and strengths."""
+    return math.log(value) if name in LOGARITHMIC else value
 
 
 def load_table(path: Path) -> MapTable:

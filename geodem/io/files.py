@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import errno
+import json
+import math
 import os
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from geodem.errors import InputError
 
@@ -51,6 +55,38 @@ def write_whole(path: Path | str, data: bytes | memoryview | str) -> None:
             raise
     except OSError as error:
         raise cannot_write(path, error) from error
+
+
+def write_json(path: Path | str, content: Mapping[str, Any]) -> dict[str, Any]:
+    """Write a JSON file, whole or not at all; returns what it holds: null for what is no finite number.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    held = dict(_finite(content))
+    write_whole(path, json.dumps(held, indent=1, ensure_ascii=False) + "\n")
+    return held
+
+
+def read_json(path: Path | str) -> dict[str, Any] | None:
+    """What a JSON file holds; None where there is none that can be read."""
+    try:
+        return dict(json.loads(Path(path).read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError):
+        return None
+
+
+def _finite(value: Any) -> Any:
+    """JSON knows neither NaN nor infinity: both become null."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {key: _finite(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(entry) for entry in value]
+    return value
 
 
 def cannot_write(path: Path | str, error: OSError) -> InputError:

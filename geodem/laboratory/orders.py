@@ -109,6 +109,11 @@ class FinishedTest:
     size: Floats
     compile_seconds: float
 
+    @property
+    def seconds(self) -> float:
+        """Run time of the test without compiling [s]."""
+        return max(self.record.seconds - self.compile_seconds, 0.0)
+
     def digest(self) -> str:
         """Hash of the bits of the answer, whatever the time it took."""
         tree = _tree(self)

@@ -19,7 +19,7 @@ class Spread(NamedTuple):
 
     mean: float
     deviation: float
-    count: int
+    specimens: int
 
     @classmethod
     def of(cls, values: Iterable[float]) -> Spread:
@@ -124,7 +124,7 @@ def summarise_envelope(groups: Sequence[TestGroup]) -> EnvelopeSummary | None:
 
 
 class Property(NamedTuple):
-    """A property of the material: key (its unit at its end), kind of quantity of `geodem.units`, and what it is from."""
+    """A property of the material: key (unit at its end), kind of quantity of `geodem.units`, and what it is from."""
 
     key: str
     name: str
@@ -162,7 +162,7 @@ def material_properties(groups: Sequence[TestGroup], envelope: EnvelopeSummary |
             ("crack_damage_stress", "crack damage"),
         ):
             spread = pressed.number(key)
-            if spread.count:
+            if spread.specimens:
                 found.append(Property(f"{key}_Pa", name, "stress", spread, _told(pressed.kind)))
     if envelope is not None:
         source = f"straight envelope, confinement up to {max(envelope.confinement) / 1e6:g} MPa"
@@ -171,7 +171,7 @@ def material_properties(groups: Sequence[TestGroup], envelope: EnvelopeSummary |
             Property("cohesion_Pa", "cohesion", "stress", envelope.cohesion, source),
             Property("m_i", "Hoek and Brown's mi", "dimensionless", envelope.m_i, "curve through the same points"),
         ]  # fmt: skip
-    return [entry for entry in found if entry.spread.count]
+    return [entry for entry in found if entry.spread.specimens]
 
 
 STRENGTHS = (

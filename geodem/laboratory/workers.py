@@ -55,6 +55,13 @@ class Overview:
     seconds_left: float
 
 
+def workers_allowed(threads: int | None) -> int:
+    """How many tests may run at a time: as many as cores, where `threads` does not say less or more."""
+    if threads is not None:
+        return threads
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 class Workers:
     """Processes that carry out orders; use it in a `with` block.
 

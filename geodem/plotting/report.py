@@ -106,7 +106,7 @@ def _page(result: Mapping[str, Any], view: ReportView, pictures: Mapping[str, se
         ("section", "Section and particles", sections.ground(result, view, pictures, source, trouble)),
         ("materials", "Materials", sections.materials(view)),
         ("energy", "Energy", sections.energy(result)),
-        ("run", "Run", sections.run(result, view)),
+        ("run", "Run", sections.run(result)),
         ("case", "Case file", sections.case(view)),
         ("reading", "How to read this", sections.reading(result)),
     ]

@@ -203,7 +203,7 @@ def energy(result: Mapping[str, Any]) -> str:
     return page.section("energy", "Energy", *blocks)
 
 
-def run(result: Mapping[str, Any], view: ReportView) -> str:
+def run(result: Mapping[str, Any]) -> str:
     """Settings, defaults taken, versions, and what the run cost."""
     told = {
         "workflow": "Workflow", "status": "Status", "kind_of_result": "Kind of result",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 PIXELS = (1600, 1120)
+UPRIGHT = (1000, 1400)
 LIGHTS = (((-0.5, 0.9, 0.8), 0.7), ((0.9, 0.2, 0.6), 0.3), ((0.0, 0.0, 1.0), 0.2))
 """Where light comes from, to the right, up and towards the viewer, and how strong it is."""
 DETAIL = {2_000: 24, 20_000: 14}
@@ -31,6 +32,77 @@ def render_spheres(
 
     `view`: azimuth and elevation that they are looked at from [deg]. Raises InputError where pyvista is missing.
     """
+    s = simulation
+    centres, radii = s.seen_positions(), s.assembly.radii
+    low, high = (centres - radii[:, None]).min(axis=0), (centres + radii[:, None]).max(axis=0)
+
+    def draw(plotter: Any, towards: Floats) -> list[Floats]:
+        import pyvista
+
+        _add_spheres(plotter, centres, radii, faces)
+        corners = [_corners(low, high)]
+        if s.cell is not None:
+            for first, last in s.cell.outline():
+                plotter.add_mesh(pyvista.Line(first, last), color="black", line_width=2.5)
+            corners.append(s.cell.corners())
+        return corners + _add_walls(plotter, s, 0.5 * (low + high), high - low, towards)
+
+    return _picture(draw, view, PIXELS)
+
+
+def render_balls(
+    centres: Floats, radii: Floats, faces: Floats, *, view: tuple[float, float] = (-60.0, 22.0)
+) -> NDArray[np.uint8]:
+    """A picture (height, width, 3) of spheres (n, 3) [m] in the colours `faces` (n, 4); errors as `render_spheres`."""
+
+    def draw(plotter: Any, towards: Floats) -> list[Floats]:
+        _add_spheres(plotter, centres, radii, faces)
+        return [_corners((centres - radii[:, None]).min(axis=0), (centres + radii[:, None]).max(axis=0))]
+
+    return _picture(draw, view, UPRIGHT)
+
+
+def render_flakes(
+    centres: Floats,
+    normals: Floats,
+    radii: Floats,
+    colours: Floats,
+    box: Floats,
+    *,
+    view: tuple[float, float] = (-60.0, 22.0),
+) -> NDArray[np.uint8]:
+    """A picture of thin discs, such as cracks, in a box (3,) [m] drawn by its edges; errors as `render_spheres`.
+
+    Parameters
+    ----------
+    centres, normals : (k, 3) [m], [-]
+    radii : (k,) [m]
+    colours : (k, 3)
+    """
+
+    def draw(plotter: Any, towards: Floats) -> list[Floats]:
+        import pyvista
+
+        frame = pyvista.Box(bounds=[value for side in box for value in (0.0, float(side))])
+        plotter.add_mesh(frame, style="wireframe", color="#8794a1", line_width=2.0, lighting=False)
+        inside = ((centres > -0.1 * box) & (centres < 1.1 * box)).all(axis=1)
+        if inside.any():
+            cloud = pyvista.PolyData(centres[inside])
+            cloud["radius"] = radii[inside]
+            cloud["normal"] = normals[inside]
+            cloud["colour"] = (255.0 * colours[inside]).round().astype(np.uint8)
+            flake = pyvista.Disc(inner=0.0, outer=1.0, normal=(1.0, 0.0, 0.0), c_res=12)
+            flakes = cloud.glyph(scale="radius", orient="normal", geom=flake, factor=1.0)
+            plotter.add_mesh(flakes, scalars="colour", rgb=True, ambient=0.5, diffuse=0.5)
+        return [_corners(np.zeros(3), box)]
+
+    return _picture(draw, view, UPRIGHT)
+
+
+def _picture(
+    draw: Callable[[Any, Floats], list[Floats]], view: tuple[float, float], pixels: tuple[int, int]
+) -> NDArray[np.uint8]:
+    """What `draw` adds to a plotter that is looked at from `view`; it returns the points that must be seen."""
     try:
         import pyvista
     except ImportError:
@@ -39,12 +111,9 @@ def render_spheres(
             "spheres are drawn by pyvista, which is not here",
             "Run: pip install 'geodem[pictures]'",
         ) from None
-    s = simulation
-    centres, radii = s.seen_positions(), s.assembly.radii
-    low, high = (centres - radii[:, None]).min(axis=0), (centres + radii[:, None]).max(axis=0)
     towards, right, up = _camera(*np.radians(view))
     with _quiet():
-        plotter: Any = pyvista.Plotter(off_screen=True, window_size=list(PIXELS), lighting="none")
+        plotter: Any = pyvista.Plotter(off_screen=True, window_size=list(pixels), lighting="none")
         try:
             plotter.set_background("white")
             for place, strength in LIGHTS:
@@ -54,19 +123,17 @@ def render_spheres(
                 )
                 light.positional = False
                 plotter.add_light(light)
-            _add_spheres(plotter, centres, radii, faces)
-            corners = [np.array(list(itertools.product(*zip(low, high, strict=True))))]
-            if s.cell is not None:
-                for first, last in s.cell.outline():
-                    plotter.add_mesh(pyvista.Line(first, last), color="black", line_width=2.5)
-                corners.append(s.cell.corners())
-            corners += _add_walls(plotter, s, 0.5 * (low + high), high - low, towards)
-            _look_at(plotter, np.concatenate(corners), towards, right, up)
+            _look_at(plotter, np.concatenate(draw(plotter, towards)), towards, right, up, pixels)
             plotter.enable_anti_aliasing("ssaa")
             image = np.asarray(plotter.screenshot(return_img=True))
         finally:
             plotter.close()
     return _cropped(image[:, :, :3])
+
+
+def _corners(low: Floats, high: Floats) -> Floats:
+    """Of a box (8, 3)."""
+    return np.array(list(itertools.product(*zip(low, high, strict=True))))
 
 
 def _camera(azimuth: float, elevation: float) -> tuple[Floats, Floats, Floats]:
@@ -77,7 +144,9 @@ def _camera(azimuth: float, elevation: float) -> tuple[Floats, Floats, Floats]:
     return towards, right, np.cross(towards, right)
 
 
-def _look_at(plotter: Any, points: Floats, towards: Floats, right: Floats, up: Floats) -> None:
+def _look_at(
+    plotter: Any, points: Floats, towards: Floats, right: Floats, up: Floats, pixels: tuple[int, int]
+) -> None:
     """Parallel projection in which all points fit the picture."""
     spans = [(points @ axis).min() + (points @ axis).max() for axis in (right, up, towards)]
     middle = 0.5 * (spans[0] * right + spans[1] * up + spans[2] * towards)
@@ -87,7 +156,7 @@ def _look_at(plotter: Any, points: Floats, towards: Floats, right: Floats, up: F
     camera.focal_point = tuple(middle)
     camera.position = tuple(middle + 4.0 * max(halves) * towards)
     camera.up = tuple(up)
-    camera.parallel_scale = 1.03 * max(halves[1], halves[0] * PIXELS[1] / PIXELS[0])
+    camera.parallel_scale = 1.03 * max(halves[1], halves[0] * pixels[1] / pixels[0])
     plotter.renderer.ResetCameraClippingRange()
 
 

@@ -1,0 +1,332 @@
+"""Run a laboratory case in its folder: every test on every specimen, several at a time, each kept as it is finished."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .case.laboratory import LaboratoryCase
+from .errors import InputError, StoppedError
+from .io.checkpoint import checksum
+from .io.files import read_json, write_json
+from .io.history import write_history
+from .io.run_folder import claim_folder, write_case
+from .io.vtkhdf import write_vtkhdf
+from .laboratory import pace as paces
+from .laboratory.entries import envelope_entry, group_entry, material_entry, spread_entry
+from .laboratory.orders import FinishedTest, TestOrder, find_test, specimen_of
+from .laboratory.record import UNITS
+from .laboratory.specimen import COARSE
+from .laboratory.summary import group_tests, material_properties, summarise_envelope
+from .laboratory.workers import Overview, Workers, workers_allowed
+from .plotting.laboratory_report import write_laboratory_report
+from .provenance import versions
+
+QUICK_ACROSS = 16.0
+QUICK_SEEDS = 2
+QUICK_PACE = 0.5
+"""Of a quick run: particles across, specimens, and share of the pace."""
+
+HISTORY_COLUMNS = (
+    "test [-]",
+    "stress [Pa]",
+    "seed [-]",
+    "strength [Pa]",
+    "peak strain [-]",
+    "Young's modulus [Pa]",
+    "Poisson's ratio [-]",
+    "tension cracks [-]",
+    "shear cracks [-]",
+    "failed [-]",
+    "steps [-]",
+    "time [s]",
+)
+
+WRITTEN = (
+    "result.json", "report.html", "history.csv", "tests/*.h5", "curves/*.csv", "figures/*.png", "particles-*.vtkhdf",
+    "cracks-*.vtkhdf",
+)  # fmt: skip
+"""What a run writes."""
+
+Watch = Callable[[Overview], None]
+
+
+def run_laboratory(
+    case: LaboratoryCase,
+    out: Path,
+    *,
+    threads: int | None = None,
+    quickly: bool = False,
+    overwrite: bool = False,
+    watch: Watch | None = None,
+    stop_asked: Callable[[], bool] | None = None,
+    command: str = "",
+) -> dict[str, Any]:
+    """Run a laboratory case and write its folder; tests that are finished there are not made again.
+
+    Parameters
+    ----------
+    case : LaboratoryCase
+    out : pathlib.Path
+        Folder of the results.
+    threads : int, optional
+        Tests that run at a time, each on one thread; as many as cores if left out. The bits do not depend on it.
+    quickly : bool
+        Coarse specimens, two of each, loaded twice as fast: for a first look.
+    overwrite : bool
+        Replace the results of another case in that folder.
+    watch : callable, optional
+        Is given an `Overview` now and then.
+    stop_asked : callable, optional
+    command : str
+        For the report.
+
+    Returns
+    -------
+    dict
+        The content of result.json.
+
+    Raises
+    ------
+    InputError
+        Bad input; nothing has been written over.
+    StoppedError
+        `stop_asked` said so; the same call goes on.
+    """
+    asked, case = case, quick(case) if quickly else case
+    orders = orders_of(case, quickly)
+    _check(case, orders)
+    identity = _identity(orders)
+    if claim_folder(out, identity, asked.text, overwrite=overwrite, written=WRITTEN):
+        stored = read_json(out / "result.json")
+        if stored is not None and stored["status"] == "done" and _all_there(orders, out):
+            return stored
+    write_case(out, asked.text, asked.material_file)
+    begun = time.perf_counter()
+    before = float((read_json(out / "result.json") or {}).get("wall_time_s") or 0.0)
+    count = workers_allowed(threads)
+    facts = {"identity": identity, "quick": quickly, "threads": count, "command": command}
+    # so that a run that is ended by force can be resumed as well
+    write_json(out / "result.json", assemble(case, [], finished=False) | facts | {"wall_time_s": before})
+
+    def end() -> dict[str, Any]:
+        tests = _finished(orders, out)
+        seconds = {"wall_time_s": round(before + time.perf_counter() - begun, 3)}
+        return _write(case, tests, out, facts | seconds, finished=len(tests) == len(orders))
+
+    try:
+        with Workers(count, out / "tests", watch=watch, stop_asked=stop_asked) as workers:
+            workers.run(orders)
+    except StoppedError:
+        end()
+        raise
+    return end()
+
+
+def resume_laboratory(folder: Path, case: LaboratoryCase, **options: Any) -> dict[str, Any]:
+    """Go on with a stopped run; `case` is the one in its folder, options and errors as of `run_laboratory`."""
+    stored = read_json(folder / "result.json") or {}
+    if stored.get("identity") != _identity(orders_of(*_as_run(case, stored))):
+        raise InputError(
+            str(folder / "case.toml"), "the case was changed since the run was begun",
+            "Run it into another folder: geodem lab CASE --out DIR",
+        )  # fmt: skip
+    return run_laboratory(case, folder, quickly=bool(stored.get("quick")), **options)
+
+
+def redraw_laboratory(folder: Path, case: LaboratoryCase) -> Path:
+    """Make report, figures, curves and frames again from the finished tests; returns the report's path.
+
+    Raises
+    ------
+    InputError
+        No test of this case, by this version, is there.
+    """
+    stored = read_json(folder / "result.json") or {}
+    case, quickly = _as_run(case, stored)
+    tests = _finished(orders_of(case, quickly), folder)
+    if not tests:
+        raise InputError(
+            str(folder / "tests"), "there is no finished test of this case and this version of geodem",
+            f"Go on with: geodem resume {folder}",
+        )  # fmt: skip
+    draw_laboratory(folder, stored, tests, (folder / "case.toml").read_text(encoding="utf-8"))
+    return folder / "report.html"
+
+
+def _as_run(case: LaboratoryCase, stored: dict[str, Any]) -> tuple[LaboratoryCase, bool]:
+    quickly = bool(stored.get("quick"))
+    return (quick(case) if quickly else case), quickly
+
+
+def orders_of(case: LaboratoryCase, quickly: bool = False) -> list[TestOrder]:
+    """Every test of a case on every specimen."""
+    common = case.specimen.arguments()
+    pace = (QUICK_PACE if quickly else 1.0) * paces.PACE
+    return [
+        TestOrder(test.kind, {**common, "seed": case.seed + k}, case.material, stress=stress, pace=pace)
+        for test in case.tests
+        for stress in (test.stresses or (0.0,))
+        for k in range(case.seeds)
+    ]
+
+
+def quick(case: LaboratoryCase) -> LaboratoryCase:
+    """The case for a first look: coarse, and two specimens at most."""
+    across = min(QUICK_ACROSS, case.specimen.across)
+    seeds = min(QUICK_SEEDS, case.seeds)
+    notice = (
+        f"--quick: {across:g} particles across, {seeds} specimens of each test, loaded {1.0 / QUICK_PACE:g} times as "
+        "fast: strengths come out some percent too high, and scatter more"
+    )
+    specimen = replace(case.specimen, across=across)
+    return replace(case, specimen=specimen, seeds=seeds, notices=(*case.notices, notice))
+
+
+def _write(
+    case: LaboratoryCase,
+    tests: Sequence[FinishedTest],
+    folder: Path,
+    facts: dict[str, Any],
+    *,
+    finished: bool,
+) -> dict[str, Any]:
+    """Everything that a run leaves; result.json last, so that one that says "done" has all beside it."""
+    result = assemble(case, tests, finished) | facts
+    draw_laboratory(folder, result, tests, (folder / "case.toml").read_text(encoding="utf-8"))
+    return write_json(folder / "result.json", result)
+
+
+def draw_laboratory(
+    folder: Path, result: dict[str, Any], tests: Sequence[FinishedTest], case_text: str
+) -> None:
+    """Report, figures, history, curves and frames of tests that are finished."""
+    write_history(folder / "history.csv", HISTORY_COLUMNS, map(_history, tests))
+    for test in tests:
+        curves = test.record.curves
+        columns = [f"{name} [{UNITS.get(name, '-')}]" for name in curves]
+        write_history(
+            folder / "curves" / f"{test.order.name}.csv", columns, zip(*curves.values(), strict=True)
+        )
+    for group in group_tests(tests):
+        write_frames(folder, group.typical)
+    write_laboratory_report(folder / "report.html", result, tests, case_text)
+
+
+def write_frames(folder: Path, test: FinishedTest) -> None:
+    """Particles and cracks of a test at its end, for ParaView."""
+    record, name = test.record, test.order.name
+    write_vtkhdf(
+        folder / f"particles-{name}.vtkhdf", record.positions,
+        point_data={"radius [m]": test.radii, "displacement [m]": record.displacements},
+    )  # fmt: skip
+    cracks = record.cracks
+    write_vtkhdf(
+        folder / f"cracks-{name}.vtkhdf", cracks.place,
+        point_data={
+            "mode [-]": cracks.mode.astype(np.uint8), "normal [-]": cracks.direction, "size [m]": cracks.size,
+            "axial stress [Pa]": cracks.stress,
+        },
+    )  # fmt: skip
+
+
+def assemble(case: LaboratoryCase, tests: Sequence[FinishedTest], finished: bool) -> dict[str, Any]:
+    """The content of result.json, but for what the run itself knows: its time, threads and command."""
+    groups = group_tests(tests)
+    warnings = [*case.questions, *specimen_warnings(case.specimen.across)]
+    try:
+        envelope = summarise_envelope(groups)
+    except InputError as error:
+        envelope = None
+        warnings.append(f"no envelope: {error.problem}")
+    for test in tests:
+        warnings += [f"{test.order.name}: {text}" for text in test.record.warnings]
+    return {
+        "workflow": case.workflow,
+        "title": case.title,
+        "status": "done" if finished else "stopped",
+        "kind_of_result": "laboratory: quasi-static tests; stress and strain positive in compression",
+        "particles": len(tests[0].radii) if tests else 0,
+        "dimension": case.specimen.dimension,
+        "specimen": {
+            "packing": case.specimen.packing,
+            "shape": case.specimen.shape,
+            "across": case.specimen.across,
+            "size_m": tests[0].size.tolist() if tests else [],
+            "specimens": case.seeds,
+        },
+        "material": material_entry(case.material),
+        "properties": {
+            entry.key: spread_entry(entry.spread) for entry in material_properties(groups, envelope)
+        },
+        "tests": [group_entry(group) for group in groups],
+        "envelope": None if envelope is None else envelope_entry(envelope),
+        "cracks": {
+            mode: sum(getattr(test.record.cracks, mode) for test in tests) for mode in ("tension", "shear")
+        },
+        "steps": sum(test.record.steps for test in tests),
+        "wall_time_s": 0.0,
+        "compile_time_s": round(sum(test.compile_seconds for test in tests), 3),
+        "test_time_s": round(sum(test.seconds for test in tests), 3),
+        "threads": 0,
+        "seed": case.seed,
+        "versions": versions(),
+        "notices": list(case.notices),
+        "warnings": warnings,
+        "digest": checksum({"tests": [test.digest() for test in tests]}),
+    }
+
+
+def specimen_warnings(across: float) -> list[str]:
+    """What must be known of a specimen that is coarse."""
+    if across >= COARSE:
+        return []
+    return [
+        f"{across:g} particles across: below {COARSE}, strength and friction depend on how many there are"
+    ]
+
+
+def _history(test: FinishedTest) -> tuple[object, ...]:
+    r = test.record
+    numbers = (
+        r.numbers.get(name, float("nan")) for name in ("peak_strain", "young_modulus", "poisson_ratio")
+    )
+    return (
+        r.kind, test.order.stress, test.order.seed, r.strength, *numbers, r.cracks.tension, r.cracks.shear,
+        int(r.failed), r.steps, round(test.seconds, 3),
+    )  # fmt: skip
+
+
+def _check(case: LaboratoryCase, orders: Sequence[TestOrder]) -> None:
+    """What is wrong with a case is told before anything is written or run."""
+    case.material.check()
+    quickest = {2: "triangular", 3: "fcc"}[case.specimen.dimension]
+    for order in {order.kind: order for order in orders}.values():
+        # a random packing takes time, and is made of the same sizes
+        specimen = dict(order.specimen)
+        if specimen["packing"] == "random":
+            specimen["packing"] = quickest
+        specimen_of(replace(order, specimen=specimen))
+
+
+def _identity(orders: Sequence[TestOrder]) -> str:
+    """Of a case as it is run, whatever the version."""
+    return checksum({"orders": [asdict(order) for order in orders]})
+
+
+def _all_there(orders: Sequence[TestOrder], folder: Path) -> bool:
+    there = (folder / "report.html").is_file()
+    return there and len(_finished(orders, folder)) == len(orders)
+
+
+def _finished(orders: Sequence[TestOrder], folder: Path) -> list[FinishedTest]:
+    return [test for order in orders if (test := find_test(_file(folder, order), order)) is not None]
+
+
+def _file(folder: Path, order: TestOrder) -> Path:
+    return folder / "tests" / f"{order.name}.h5"
