@@ -35,6 +35,9 @@ REACH = 1.0
 
 CONFIDENCE = 0.95
 
+POOLED = 3
+"""Degrees of freedom from which on the scatter is that of the trials' own specimens."""
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -139,10 +142,33 @@ class Surrogate:
     def estimate(self, place: Floats, name: str, *, tests: int | None = None) -> Estimate:
         """A macro answer at coordinates (d,) with its interval."""
         value, deviation = self.raw(place, name)
-        tried = any(_transformed(name, trial.macro.get(name, ())).size for trial in self.measured)
         surface = self.answers[name].surface
-        half = surface.half_width(deviation, CONFIDENCE, common=not tried, tests=tests)
+        if self._tried(name):
+            scatter, freedom = self._scatter(name)
+            quantile = float(student.ppf(0.5 + 0.5 * CONFIDENCE, freedom))
+            half = quantile * math.hypot(deviation, scatter / math.sqrt(tests) if tests is not None else 0.0)
+        else:
+            half = surface.half_width(deviation, CONFIDENCE, common=True, tests=tests)
         return _estimate(name, value, half)
+
+    def _tried(self, name: str) -> bool:
+        return any(_transformed(name, trial.macro.get(name, ())).size for trial in self.measured)
+
+    def _scatter(self, name: str) -> tuple[float, float]:
+        """Standard deviation from specimen to specimen, and how many degrees of freedom tell it.
+
+        That of the trials, pooled, where they have enough specimens: their size and resolution are those that count,
+        and a map with one specimen a point tells none. Else the surface's.
+        """
+        found = [_transformed(name, trial.macro.get(name, ())) for trial in self.measured]
+        freedom = sum(max(len(values) - 1, 0) for values in found)
+        surface = self.answers[name].surface
+        if freedom < POOLED and surface.scatter > 0.0:
+            return surface.scatter, surface.freedom
+        squares = sum(float(((values - values.mean()) ** 2).sum()) for values in found if len(values) > 1)
+        if freedom == 0:
+            return FLOORS.get(name, FLOOR), 1.0
+        return math.sqrt(squares / freedom), float(freedom)
 
     def distance(self, place: Floats) -> float:
         """How far coordinates (d,) lie outside what was measured, in half ranges; 0 inside."""
@@ -191,7 +217,8 @@ class Surrogate:
         places = np.array([place for place, _ in trials])
         surface = answer.surface
         offsets = np.array([values.mean() for _, values in trials]) - surface.predict(places)[0]
-        noise = np.array([surface.scatter**2 / len(values) for _, values in trials])
+        scatter, _ = self._scatter(answer.name)
+        noise = np.array([scatter**2 / len(values) for _, values in trials])
         prior = max(2.0 * deviation, FLOORS.get(answer.name, FLOOR)) ** 2
 
         def related(first: Floats, second: Floats) -> Floats:
