@@ -8,19 +8,16 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from .case.laboratory import LaboratoryCase
 from .errors import InputError, StoppedError
 from .io.checkpoint import checksum
 from .io.files import read_json, write_json
 from .io.history import write_history
 from .io.run_folder import claim_folder, write_case
-from .io.vtkhdf import write_vtkhdf
 from .laboratory import pace as paces
-from .laboratory.entries import envelope_entry, group_entry, material_entry, spread_entry
+from .laboratory.entries import envelope_entry, group_entry, material_entry, property_entry
+from .laboratory.files import HISTORY_COLUMNS, history_line, write_tests
 from .laboratory.orders import FinishedTest, TestOrder, find_test, specimen_of
-from .laboratory.record import UNITS
 from .laboratory.specimen import COARSE
 from .laboratory.summary import group_tests, material_properties, summarise_envelope
 from .laboratory.workers import Overview, Workers, workers_allowed
@@ -31,21 +28,6 @@ QUICK_ACROSS = 16.0
 QUICK_SEEDS = 2
 QUICK_PACE = 0.5
 """Of a quick run: particles across, specimens, and share of the pace."""
-
-HISTORY_COLUMNS = (
-    "test [-]",
-    "stress [Pa]",
-    "seed [-]",
-    "strength [Pa]",
-    "peak strain [-]",
-    "Young's modulus [Pa]",
-    "Poisson's ratio [-]",
-    "tension cracks [-]",
-    "shear cracks [-]",
-    "failed [-]",
-    "steps [-]",
-    "time [s]",
-)
 
 WRITTEN = (
     "result.json", "report.html", "history.csv", "tests/*.h5", "curves/*.csv", "figures/*.png", "particles-*.vtkhdf",
@@ -206,33 +188,9 @@ def draw_laboratory(
     folder: Path, result: dict[str, Any], tests: Sequence[FinishedTest], case_text: str
 ) -> None:
     """Report, figures, history, curves and frames of tests that are finished."""
-    write_history(folder / "history.csv", HISTORY_COLUMNS, map(_history, tests))
-    for test in tests:
-        curves = test.record.curves
-        columns = [f"{name} [{UNITS.get(name, '-')}]" for name in curves]
-        write_history(
-            folder / "curves" / f"{test.order.name}.csv", columns, zip(*curves.values(), strict=True)
-        )
-    for group in group_tests(tests):
-        write_frames(folder, group.typical)
+    write_history(folder / "history.csv", HISTORY_COLUMNS, map(history_line, tests))
+    write_tests(folder, tests)
     write_laboratory_report(folder / "report.html", result, tests, case_text)
-
-
-def write_frames(folder: Path, test: FinishedTest) -> None:
-    """Particles and cracks of a test at its end, for ParaView."""
-    record, name = test.record, test.order.name
-    write_vtkhdf(
-        folder / f"particles-{name}.vtkhdf", record.positions,
-        point_data={"radius [m]": test.radii, "displacement [m]": record.displacements},
-    )  # fmt: skip
-    cracks = record.cracks
-    write_vtkhdf(
-        folder / f"cracks-{name}.vtkhdf", cracks.place,
-        point_data={
-            "mode [-]": cracks.mode.astype(np.uint8), "normal [-]": cracks.direction, "size [m]": cracks.size,
-            "axial stress [Pa]": cracks.stress,
-        },
-    )  # fmt: skip
 
 
 def assemble(case: LaboratoryCase, tests: Sequence[FinishedTest], finished: bool) -> dict[str, Any]:
@@ -261,9 +219,7 @@ def assemble(case: LaboratoryCase, tests: Sequence[FinishedTest], finished: bool
             "specimens": case.seeds,
         },
         "material": material_entry(case.material),
-        "properties": {
-            entry.key: spread_entry(entry.spread) for entry in material_properties(groups, envelope)
-        },
+        "properties": {entry.key: property_entry(entry) for entry in material_properties(groups, envelope)},
         "tests": [group_entry(group) for group in groups],
         "envelope": None if envelope is None else envelope_entry(envelope),
         "cracks": {
@@ -289,17 +245,6 @@ def specimen_warnings(across: float) -> list[str]:
     return [
         f"{across:g} particles across: below {COARSE}, strength and friction depend on how many there are"
     ]
-
-
-def _history(test: FinishedTest) -> tuple[object, ...]:
-    r = test.record
-    numbers = (
-        r.numbers.get(name, float("nan")) for name in ("peak_strain", "young_modulus", "poisson_ratio")
-    )
-    return (
-        r.kind, test.order.stress, test.order.seed, r.strength, *numbers, r.cracks.tension, r.cracks.shear,
-        int(r.failed), r.steps, round(test.seconds, 3),
-    )  # fmt: skip
 
 
 def _check(case: LaboratoryCase, orders: Sequence[TestOrder]) -> None:

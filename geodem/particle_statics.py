@@ -5,7 +5,8 @@
 2. Adaptive viscous relaxation (`geodem.integrators.relaxation`): every particle has the inertia of its own
    stiffness, so that one step serves all; the damping follows the lowest frequency in motion. Bonds do not break on the
    way, so nothing breaks that the swing towards equilibrium, and no static load, would break.
-3. In equilibrium the most overstressed bonds break, and the next equilibrium is sought, until none is overstressed.
+3. In equilibrium the most overstressed bonds break, or pieces of them, and the next equilibrium is sought, until none
+   is overstressed.
 
 Displacements per step have no physical meaning as velocities; at the end everything is at rest.
 """
@@ -143,7 +144,7 @@ def find_equilibrium(
         reason = search.relax(tolerance, most_steps, progress)
         while not reason and breaking:
             new = search.break_bonds(share)
-            if not len(new):
+            if new is None:
                 break
             broken.append(new)
             rounds += 1
@@ -355,19 +356,27 @@ class _Search:
         self._step(1, math.inf, (self.still, self.still))
         return balance(s) < tolerance
 
-    def break_bonds(self, share: float) -> NDArray[np.int64]:
-        """Break the most overstressed bonds in the present equilibrium; their numbers."""
+    def break_bonds(self, share: float) -> NDArray[np.int64] | None:
+        """Break the most overstressed bonds in the present equilibrium; None where none is overstressed.
+
+        Returns the numbers of those that are gone: of bonds that break piece by piece some may only be weaker now.
+        """
         s = self.simulation
-        bonds = len(s.assembly.bonds)
         intact = s.intact()
-        most = np.where(intact, s.utilisation[:bonds].max(axis=1, initial=0.0), 0.0).max(initial=0.0)
-        if most < 1.0:
-            return np.empty(0, dtype=np.int64)
-        # at rest a step changes nothing but what breaks; "not 1" keeps the kernel noting utilisations
-        limit = max(1.0 + 1e-15, share * float(most))
+        # "not 1" keeps the kernel noting utilisations
+        limit = max(1.0 + 1e-15, share * self._most_utilised(intact))
+        if self._most_utilised(intact) < limit:
+            return None
+        # at rest a step changes nothing but what breaks
         self._stop()
         self._step(1, limit, (self.still, self.still))
-        return np.flatnonzero(intact & ~s.intact())
+        gone = np.flatnonzero(intact & ~s.intact())
+        return gone if len(gone) or self._most_utilised(intact) < limit else None
+
+    def _most_utilised(self, which: NDArray[np.bool_]) -> float:
+        """Largest utilisation of bonds (b,) that was noted last [-]."""
+        most = self.simulation.utilisation[: len(which)].max(axis=1, initial=0.0)
+        return float(np.where(which, most, 0.0).max(initial=0.0))
 
 
 class _Standstill:

@@ -301,7 +301,7 @@ def range_of_pairs(
                 bend_x = (bz - az) * time_step
             space = (
                 nx, ny, nz, ax * time_step, ay * time_step, az * time_step, bx * time_step, by * time_step,
-                bz * time_step, approach,
+                bz * time_step, approach, breaking,
             )  # fmt: skip
             normal = 0.0
             shear_x = 0.0

@@ -6,7 +6,7 @@ from typing import Any
 
 from .material import BondedMaterial
 from .orders import KINDS
-from .summary import EnvelopeSummary, Spread, TestGroup
+from .summary import EnvelopeSummary, Property, Spread, TestGroup
 
 NUMBERS = {
     "young_modulus": "young_modulus_Pa",
@@ -23,6 +23,11 @@ NUMBERS = {
 def spread_entry(spread: Spread) -> dict[str, Any]:
     """A mean with its scatter."""
     return {"mean": spread.mean, "standard_deviation": spread.deviation, "specimens": spread.specimens}
+
+
+def property_entry(found: Property) -> dict[str, Any]:
+    """A property in words and numbers."""
+    return {"name": found.name, **spread_entry(found.spread), "from": found.source}
 
 
 def group_entry(group: TestGroup) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from types import ModuleType
 from .bond import (
     cement,
     cohesive_moments,
+    flat_joint,
     jointed_cohesive,
     parallel_bond,
     rock,
@@ -72,6 +73,7 @@ BOND_LAWS: dict[str, ModuleType] = {
         cement,
         rotational_bond,
         rock,
+        flat_joint,
         cohesive_moments,
         jointed_cohesive,
     )

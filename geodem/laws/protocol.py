@@ -49,10 +49,11 @@ MENU = {
     "rotation_b_y": "the same [rad]; 0 in 2D",
     "rotation_b_z": "the same [rad]",
     "closing": "increment of overlap by the velocity, also at the birth of a contact [m]",
+    "breaking": "utilisation at which bonds break, infinite on the way to an equilibrium [-]; bonds only",
 }
 """What a law may ask for, beside its parameters and its history."""
 
-IN_SPACE = tuple(MENU)[-10:]
+IN_SPACE = tuple(MENU)[-11:]
 """Those of them that `force` alone may ask for; a law that does is computed pair by pair."""
 
 _STATIC = ("radius_a", "radius_b", "distance")
@@ -223,7 +224,7 @@ def check_law(law: ModuleType, kind: Literal["contact", "bond"]) -> None:
         if hasattr(law, function):
             allowed = (*parameters, *menu, *(history if with_history else ()))
             if kind == "contact":
-                allowed = tuple(word for word in allowed if word != "scale")
+                allowed = tuple(word for word in allowed if word not in ("scale", "breaking"))
             _check_arguments(f"{place}: {function}", getattr(law, function), allowed)
             _check_globals(f"{place}: {function}", law, getattr(law, function))
     moments = 4 if law.MOMENT else 0

@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geodem.errors import InputError
+from geodem.io.files import write_whole
 from geodem.laboratory.orders import FinishedTest
-from geodem.plotting.particles import CRACKS
-from geodem.plotting.theme import FAINT, SOFT, displacement_colours, new_figure, quiet_axes
+from geodem.laboratory.record import Cracks
+from geodem.laboratory.specimen import Specimen
+from geodem.plotting.particles import CRACKS, SHEAR
+from geodem.plotting.theme import (
+    FAINT,
+    SOFT,
+    displacement_colours,
+    material_colour,
+    new_figure,
+    png,
+    quiet_axes,
+    style,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,7 +59,8 @@ def specimen_chart(test: FinishedTest, title: str) -> Figure:
     norm = _norm(distance * factor)
     faces = displacement_colours()(norm(distance * factor))
     if record.positions.shape[1] == 2:
-        figure, axes = _discs(test, faces)
+        figure, axes, points = _discs(record.positions, test.radii, test.size, faces)
+        _draw_cracks(axes, record.cracks, points)
     else:
         figure, axes = _spheres(test, faces)
     axes.set_title(title)
@@ -54,6 +68,35 @@ def specimen_chart(test: FinishedTest, title: str) -> Figure:
     handles = _crack_names(test)
     if handles:
         figure.legend(handles=handles, loc="outside lower center", ncols=2, columnspacing=1.6)
+    return figure
+
+
+def write_bare_specimen(path: Path, specimen: Specimen, bonds: NDArray[np.int64], title: str) -> None:
+    """Draw a specimen before any test into a PNG file; errors as of `bare_chart`, or it cannot be written."""
+    with style():
+        picture = png(bare_chart(specimen, bonds, title))
+    write_whole(path, picture)
+
+
+def bare_chart(specimen: Specimen, bonds: NDArray[np.int64], title: str) -> Figure:
+    """A specimen before any test, with its bonds (m, 2) as lines; errors as of `specimen_chart`."""
+    from matplotlib.collections import LineCollection
+    from matplotlib.colors import to_rgba
+
+    faces = np.tile(to_rgba(material_colour(0)), (specimen.particles, 1))
+    if specimen.dimension == 3:
+        from geodem.plotting.spheres import render_balls
+
+        figure = new_figure(WIDTH + 1.0, HEIGHT)
+        axes = figure.add_subplot()
+        axes.imshow(render_balls(specimen.positions, specimen.radii, faces), interpolation="antialiased")
+        axes.set_axis_off()
+    else:
+        figure, axes, points = _discs(specimen.positions, specimen.radii, specimen.size, faces)
+        width = float(np.clip(0.08 * points, 0.25, 0.9))
+        ends = list(1e3 * specimen.positions[bonds])
+        axes.add_collection(LineCollection(ends, colors=SHEAR, linewidths=width, zorder=3.0), autolim=False)
+    axes.set_title(title)
     return figure
 
 
@@ -65,12 +108,11 @@ def _norm(values: Floats) -> Normalize:
     return Normalize(0.0, top)
 
 
-def _discs(test: FinishedTest, faces: Floats) -> tuple[Figure, Axes]:
-    from matplotlib.collections import EllipseCollection, LineCollection
+def _discs(positions: Floats, radii: Floats, size: Floats, faces: Floats) -> tuple[Figure, Axes, float]:
+    """Discs in millimetres, and how many points the middle one of their diameters is on paper."""
+    from matplotlib.collections import EllipseCollection
 
-    record, radii = test.record, test.radii
-    places = 1e3 * record.positions
-    size = 1e3 * test.size
+    places, size = 1e3 * positions, 1e3 * size
     pad = 0.12 * float(size[0])
     low, high = -pad * np.ones(2), size + pad
     room = high - low
@@ -93,12 +135,17 @@ def _discs(test: FinishedTest, faces: Floats) -> tuple[Figure, Axes]:
         ),
         autolim=False,
     )  # fmt: skip
-    cracks = record.cracks
+    points = 72.0 * (width - 0.8) / room[0] * float(np.median(diameters))
+    return figure, axes, points
+
+
+def _draw_cracks(axes: Axes, cracks: Cracks, points: float) -> None:
+    from matplotlib.collections import LineCollection
+
     across = np.column_stack([-cracks.direction[:, 1], cracks.direction[:, 0]])
     half = 0.6 * 1e3 * cracks.size[:, None] * across
     middle = 1e3 * cracks.place
     ends = np.stack([middle - half, middle + half], axis=1)
-    points = 72.0 * (width - 0.8) / room[0] * float(np.median(diameters))
     thick = float(np.clip(0.14 * points, 0.5, 1.2))
     for mode, (colour, _) in CRACKS.items():
         own = cracks.mode == mode
@@ -106,7 +153,6 @@ def _discs(test: FinishedTest, faces: Floats) -> tuple[Figure, Axes]:
             LineCollection(list(ends[own]), colors=colour, linewidths=thick, capstyle="round", zorder=3.0),
             autolim=False,
         )
-    return figure, axes
 
 
 def _spheres(test: FinishedTest, faces: Floats) -> tuple[Figure, Axes]:

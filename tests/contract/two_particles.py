@@ -109,6 +109,14 @@ LAWS = {
         "friction_coefficient": 0.3,
         "moment_contribution": 0.7,
     },
+    "flat_joint": {
+        "effective_modulus": 2e9,
+        "stiffness_ratio": 2.5,
+        "tensile_strength": 6e5,
+        "shear_strength": 9e5,
+        "friction_coefficient": 0.3,
+        "residual_friction_coefficient": 0.4,
+    },
     "rotational_bond": {
         "normal_stiffness": 2e7,
         "shear_stiffness": 8e6,
@@ -148,6 +156,8 @@ OF_OTHER_CODES = {
 
 OF_ITS_LENGTH = {"effective_modulus"}
 """Stiffness of a beam over its length, which is shorter at a wall: no parameter says that."""
+PIECEWISE = {"flat_joint"}
+"""Bonds of elements that break one by one, which lie in directions of their own: see `test_flat_joint`."""
 NOT_LINEAR = {"hertz"}
 SHEAR_FOLLOWS_LOAD = {"hertz_mindlin", "hertz_mindlin_rolling", "hertz_dmt"}
 """The shear spring is stiffer the more the two are pressed, and loses some of its energy as that changes."""
@@ -201,7 +211,9 @@ class Pair:
     it is overstressed. What does not live has no force and no energy.
     """
 
-    def __init__(self, law, parameters, dimension, *, scale=1.0, radii=(RADIUS_A, RADIUS_B)):
+    def __init__(
+        self, law, parameters, dimension, *, scale=1.0, radii=(RADIUS_A, RADIUS_B), normal=(0.0, 0.0, 1.0)
+    ):
         self.law = law
         self.is_bond = law.NAME in BOND_LAWS
         self.alive = self.is_bond
@@ -210,7 +222,8 @@ class Pair:
         self._dimension = dimension
         self._values = {
             **parameters._asdict(), "scale": scale, "radius_a": radii[0], "radius_b": radii[1],
-            "mass_a": 3.0, "mass_b": 2.0, "time_step": 1e-6,
+            "mass_a": 3.0, "mass_b": 2.0, "time_step": 1e-6, "breaking": 1.0,
+            **{f"normal_{axis}": value for axis, value in zip("xyz", normal, strict=True)},
         }  # fmt: skip
         start = self._call(law.bonded) if self.is_bond else [0.0] * len(history_arguments(law))
         self.history = np.array(start)
@@ -228,6 +241,11 @@ class Pair:
 
     def step(self, motion):
         """Move, ask the law, keep its history; the answer is also `self.answer`."""
+        if self._dimension == 3 and "normal_x" in argument_names(self.law.force):
+            # told the normal, the law may take it that nothing slips or bends along it
+            normal = np.array([self._values[f"normal_{axis}"] for axis in "xyz"])
+            slip, bend = (part - (part @ normal) * normal for part in (motion.slip, motion.bend))
+            motion = motion._replace(slip=slip, bend=bend)
         self.overlap += motion.approach
         approach = motion.approach
         if not self.is_bond:
@@ -252,7 +270,7 @@ class Pair:
         moments = given[4:8] if self.law.MOMENT else np.zeros(4)
         utilisation = tuple(given[forces + len(names) :]) if self.is_bond else (0.0, 0.0)
         self.answer = Answer(given[0], given[1:4], moments[0], moments[1:], utilisation)
-        if self.is_bond and max(utilisation) >= 1.0:
+        if self.is_bond and max(utilisation) >= self._values["breaking"]:
             self.alive, self.broken = False, True
             return self.step(no_motion())
         return self.answer
