@@ -125,6 +125,8 @@ def _along(
         # tension goes about as far as the first break, compression several times as far
         rig.begin(0.0)
         guess = rig.first_break * (1.2 if sign < 0.0 else 4.0)
+        # under pressure a bond may be near its strength from the start
+        guess = max(guess, 6.0 * confinement / rig.modulus)
         rig = mounted()
         rate = paces.rate_of(guess, high, paces.PILOT)
         rig.begin(sign * rate)

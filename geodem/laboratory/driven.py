@@ -29,6 +29,7 @@ from .material import BondedMaterial
 from .record import Cracks
 from .rig import DAMPING, FIRST_SHARE, STEP, TRIAL_STRAIN, even_density
 from .specimen import Specimen
+from .start import go_to_first_break
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -156,22 +157,11 @@ class Driven:
         if not self._solved:
             self.solve()
         s = self.simulation
-        before = np.zeros(len(s.assembly.bonds))
         if self.load is not None:
             displace(s, self.loaded)
-            before = self.utilisation()
         strain = np.abs(self.unit[:, : self.dimension]).max() / self.specimen.diameter
-        trial = TRIAL_STRAIN / strain
-        displace(s, trial * self.unit)
-        slope = (self.utilisation() - before) / trial
-        rising = slope > 0.0
-        room = np.where(rising, (share - before) / np.where(rising, slope, 1.0), math.inf)
-        found = float(max(room.min(initial=math.inf), trial))
-        if not math.isfinite(found):
-            found = trial
+        found = go_to_first_break(s, self.unit, TRIAL_STRAIN / strain, share)
         self.first_break = found / share
-        if found > trial:
-            displace(s, (found - trial) * self.unit)
         held = s.assembly.held
         moving = np.where(held, np.hstack([s.velocities, s.spins]), rate / s.time_step * self.unit)
         moving[:, : self.dimension][self.driven] = rate / s.time_step * self.motion[self.driven]
@@ -179,12 +169,6 @@ class Driven:
         for rows in s.rows:
             rows[:, s.columns.velocity] = moving[:, : self.dimension]
             rows[:, s.columns.spin] = moving[:, self.dimension :]
-
-    def utilisation(self) -> Floats:
-        """Of every bond [-]: 1 where it breaks, 0 where it is broken."""
-        s = self.simulation
-        bonds = len(s.assembly.bonds)
-        return np.where(s.intact(), s.utilisation[:bonds].max(axis=1), 0.0)
 
     # ------------------------------------------------------------------ readings
 

@@ -27,6 +27,7 @@ from .confinement import Confinement, joined_to_most
 from .material import BondedMaterial
 from .record import Cracks
 from .specimen import Specimen
+from .start import go_to_first_break
 
 Floats = NDArray[np.float64]
 
@@ -209,22 +210,9 @@ class Rig:
         base = p * (self.pressed + self.even * self.squeezed)
         if p:
             displace(s, base)
-            before = self._utilisation()
-        trial = sign * TRIAL_STRAIN
-        displace(s, trial * self.squeezed)
-        now = self._utilisation()
-        if not p:
-            before = np.zeros_like(now)
-        slope = (now - before) / TRIAL_STRAIN
-        rising = slope > 0.0
-        room = np.where(rising, (share - before) / np.where(rising, slope, 1.0), math.inf)
-        strain = float(max(room.min(initial=math.inf), 0.0))
-        if not math.isfinite(strain):
-            strain = TRIAL_STRAIN
+        strain = go_to_first_break(s, sign * self.squeezed, TRIAL_STRAIN, share)
         self.first_break = strain / share
-        if strain > TRIAL_STRAIN:
-            displace(s, (sign * strain - trial) * self.squeezed)
-        self.strain = sign * max(strain, TRIAL_STRAIN)
+        self.strain = sign * strain
         self.drive(rate)
         speed = rate / s.time_step * self.squeezed
         held = s.assembly.held
@@ -242,11 +230,6 @@ class Rig:
             for rows in s.rows:
                 rows[at, axis] = sign * rate * self.length / s.time_step
         self.rate = rate
-
-    def _utilisation(self) -> Floats:
-        s = self.simulation
-        bonds = len(s.assembly.bonds)
-        return np.where(s.intact(), s.utilisation[:bonds].max(axis=1), 0.0)
 
     # ------------------------------------------------------------------ motion
 

@@ -1,0 +1,70 @@
+"""The elastic state at a share of the load of the first break: where a test's motion begins."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..particle_simulation import ParticleSimulation
+from ..particle_statics import displace
+
+Floats = NDArray[np.float64]
+
+WITHIN = 1.02
+"""Utilisation over the share that is wanted, up to which nothing is taken back."""
+
+
+def go_to_first_break(simulation: ParticleSimulation, unit: Floats, trial: float, share: float) -> float:
+    """Move by a multiple of a solved motion until the most stressed bond is at `share` of its strength.
+
+    Utilisations by tension and by shear rise with the multiple each in its own way: one that begins low, because a
+    pressure closes the bond, may overtake the other. Both are followed, along their tangents at the start. They are
+    convex (sizes of vectors are), so that tangents lead too far; a chord from the start to there leads back, and never
+    too far.
+
+    Parameters
+    ----------
+    simulation : ParticleSimulation
+        At rest, where the motion begins.
+    unit : (n, d + s) [m, rad]
+        The motion that is multiplied, in the order of the assembly.
+    trial : float
+        A small multiple, at which the bonds are looked at first; more is always gone.
+    share : float
+        Of the strength, below 1.
+
+    Returns
+    -------
+    float
+        The multiple.
+    """
+    before = bond_utilisation(simulation, look=True)
+    displace(simulation, trial * unit)
+    slope = (bond_utilisation(simulation) - before) / trial
+    rising = slope > 0.0
+    room = np.where(rising, (share - before) / np.where(rising, slope, 1.0), math.inf)
+    found = float(max(room.min(initial=math.inf), trial))
+    if not math.isfinite(found):
+        return trial
+    if found == trial:
+        return found
+    displace(simulation, (found - trial) * unit)
+    start, most = float(before.max(initial=0.0)), float(bond_utilisation(simulation).max(initial=0.0))
+    if most > WITHIN * share and most > start:
+        back = max(found * max(share - start, 0.0) / (most - start), trial)
+        displace(simulation, (back - found) * unit)
+        found = back
+    return found
+
+
+def bond_utilisation(simulation: ParticleSimulation, *, look: bool = False) -> Floats:
+    """Utilisations (b, 2) by tension and by shear of every bond [-]: 1 where it breaks, 0 where it is broken.
+
+    With `look` they are noted anew where everything is; else those of the last `displace`.
+    """
+    s = simulation
+    if look:
+        displace(s, np.zeros((s.assembly.particles, s.assembly.held.shape[1])))
+    return np.where(s.intact()[:, None], s.utilisation[: len(s.assembly.bonds)], 0.0)
