@@ -9,6 +9,7 @@ import numpy as np
 
 from ..errors import InputError
 from . import pace as paces
+from .failure_plane import failure_numbers
 from .material import BondedMaterial
 from .record import Floats, TestRecord
 from .rig import STEP, Motion, Rig, Watch, seen_cracks
@@ -60,7 +61,8 @@ def compress(
     -------
     TestRecord
         `strength` is the largest axial stress [Pa]. Numbers: young_modulus [Pa], poisson_ratio, peak_strain,
-        residual_stress [Pa], crack_initiation_stress and crack_damage_stress [Pa], confinement [Pa].
+        residual_stress [Pa], crack_initiation_stress and crack_damage_stress [Pa], confinement [Pa],
+        failure_angle [rad] to the axis and localisation (`geodem.laboratory.failure_plane`).
 
     Raises
     ------
@@ -165,6 +167,7 @@ def _along(
         "shear_cracks_at_peak": float(curves["shear_cracks"][top]),
         "bonds": float(len(s.assembly.bonds)),
         "rate_per_step": rate,
+        **failure_numbers(specimen, cracks),
     }
     warnings = []
     if numbers["unbalanced_ratio"] > RATIO:
