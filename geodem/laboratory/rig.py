@@ -105,7 +105,7 @@ class Rig:
         build.bond_within(material.bonding_range, scale=material.scatter(seed))
         for ids in (self.lower, self.upper):
             build.hold(ids, **{AXES[d - 1]: 0.0})
-        self.sides = Confinement(float(along.min()), float(along.max()), float(radii.min()))
+        self.sides = Confinement(float(along.min()), float(along.max()), float(radii.min()), d)
         if confinement:
             # compiled in from the start; the place of the forces is looked up again and again
             load = confinement * self.sides.loads(positions, radii, np.ones(len(radii), bool))
