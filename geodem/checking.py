@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ._jit import cache_folder, set_threads
 from .analysis import Analysis
-from .case import load_case
+from .case import CalibrationCase, Case, LaboratoryCase, load_any
 from .outputs import make_view
 from .provenance import versions
 from .result import dilation_warnings
@@ -49,7 +49,9 @@ def check_case(path: Path, picture: Path | None, console: Console) -> dict[str, 
     """
     from .plotting.check_picture import write_check_picture
 
-    case = load_case(path)
+    case = load_any(path)
+    if not isinstance(case, Case):
+        return _check_tests(case, path, picture, console)
     analysis = Analysis(case)
     model = analysis.build()
     assert analysis.particles is not None
@@ -105,6 +107,61 @@ def check_case(path: Path, picture: Path | None, console: Console) -> dict[str, 
         "spacing_m": analysis.particles.spacing,
         "memory_bytes": model.nbytes(),
         "expected_s": expected,
+    }
+
+
+def _check_tests(
+    case: LaboratoryCase | CalibrationCase, path: Path, picture: Path | None, console: Console
+) -> dict[str, Any]:
+    """Specimens of a laboratory case or of a calibration."""
+    from .laboratory.estimate import estimate
+    from .laboratory.workers import workers_allowed
+    from .plotting.laboratory_specimen import write_bare_specimen
+
+    if isinstance(case, LaboratoryCase):
+        from .laboratory_run import orders_of
+
+        orders = orders_of(case)
+    else:
+        from .calibration_run import expected_orders
+
+        orders = expected_orders(case)
+    found = estimate(orders)
+    specimen, processes = found.specimen, workers_allowed(None)
+    console.print(f"[bold]{_escaped(case.title)}[/]")
+    size = " x ".join(show_rounded(value, "length") for value in specimen.size)
+    console.print(
+        f"Specimen: {size}, {specimen.particles:,} particles ({specimen.packing}, seed {case.seed}), "
+        f"{specimen.across:.3g} across, {show_rounded(specimen.diameter, 'length')} in the mean, "
+        f"{len(found.bonds):,} bonds, {2.0 * len(found.bonds) / specimen.particles:.2f} of a particle"
+    )
+    console.print(
+        f"Time step: {found.time_step:.3g} s (masses are those of a quasi-static test: no physical time), "
+        f"{1e3 * found.step_seconds:.3g} ms of run time a step"
+    )
+    counts = {kind: sum(order.kind == kind for order in orders) for kind in found.steps}
+    for kind, steps in found.steps.items():
+        console.print(f"Tests: {counts[kind]} of {kind}, about {steps:,.0f} steps")
+    seconds = found.seconds(processes)
+    memory = f", {found.memory_bytes / 1e6:.0f} MB of memory each" if found.memory_bytes else ""
+    console.print(
+        f"Expected time: {_time(seconds)} ({_time(seconds / 2)} to {_time(seconds * 2)}) with {processes} tests at "
+        f"a time{memory}, compiling not counted"
+    )
+    for text in case.notices:
+        console.print(f"  [dim]{_escaped(text)}[/]")
+    for text in case.questions:
+        console.print(f"[yellow]note[/] {_escaped(text)}")
+    target = picture or Path(f"{default_folder(path).name.removesuffix('-result')}-check.png")
+    write_bare_specimen(target, specimen, found.bonds, case.title)
+    console.print(f"Picture: {_escaped(str(target))}")
+    return {
+        "particles": specimen.particles,
+        "bonds": len(found.bonds),
+        "time_step_s": found.time_step,
+        "memory_bytes": found.memory_bytes,
+        "expected_s": seconds,
+        "tests": len(orders),
     }
 
 

@@ -1,4 +1,4 @@
-"""The commands: geodem new | check | run | resume | plot | info.
+"""The commands: geodem new | check | run | lab | calibrate | resume | plot | info.
 
 Exit status 0: done; 2: bad input, nothing written over; 3: stopped, resumable; 1: a defect of ours.
 """
@@ -25,12 +25,14 @@ from .errors import InputError, StoppedError
 
 if TYPE_CHECKING:
     from .analysis import Update
+    from .calibration.fit import Progress
+    from .laboratory.workers import Overview
 
 app = typer.Typer(
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    help="Factor of safety and failure of the ground by particle models.",
+    help="Factor of safety and failure of the ground, and tests of rock, by particle models.",
 )
 console = Console(highlight=False, soft_wrap=True)
 complaints = Console(stderr=True, highlight=False, soft_wrap=True)
@@ -38,7 +40,9 @@ complaints = Console(stderr=True, highlight=False, soft_wrap=True)
 CaseArgument = Annotated[
     Path, typer.Argument(metavar="CASE", help="A case file, or the folder that holds case.toml.")
 ]
-FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="The folder that 'geodem run' wrote to.")]
+FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="The folder that a run wrote to.")]
+OutOption = Annotated[Path | None, typer.Option(help="Folder of the results. [default: NAME-result]")]
+OverwriteOption = Annotated[bool, typer.Option("--overwrite", help="Replace the results of another case.")]
 ThreadsOption = Annotated[
     int | None, typer.Option(min=1, help="Threads; all cores if left out. The bits do not change.")
 ]
@@ -47,17 +51,94 @@ ThreadsOption = Annotated[
 @app.command()
 def run(
     case: CaseArgument,
-    out: Annotated[Path | None, typer.Option(help="Folder of the results. [default: NAME-result]")] = None,
+    out: OutOption = None,
     threads: ThreadsOption = None,
-    quick: Annotated[bool, typer.Option("--quick", help="About 1,000 particles: a first look.")] = False,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace the results of another case.")
-    ] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Few particles: a first look.")] = False,
+    overwrite: OverwriteOption = False,
 ) -> None:
-    """Search the factors of a case and write its report."""
+    """Run a case of any kind and write its report."""
+    _run(case, out, threads, quick, overwrite)
+
+
+@app.command()
+def lab(
+    case: CaseArgument,
+    out: OutOption = None,
+    threads: ThreadsOption = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Coarse specimens, two of each: a first look.")
+    ] = False,
+    overwrite: OverwriteOption = False,
+) -> None:
+    """Test specimens of a rock: strength, stiffness, cracks and envelope."""
+    _run(case, out, threads, quick, overwrite, workflow="laboratory")
+
+
+@app.command()
+def calibrate(
+    case: Annotated[
+        Path | None,
+        typer.Argument(metavar="[CASE]", help="A case file or its folder; or give the rock by options."),
+    ] = None,
+    out: OutOption = None,
+    young_modulus: Annotated[str | None, typer.Option(help='Such as "69 GPa".')] = None,
+    poisson_ratio: Annotated[str | None, typer.Option(help="Such as 0.26.")] = None,
+    compressive_strength: Annotated[str | None, typer.Option(help='Uniaxial, such as "200 MPa".')] = None,
+    tensile_strength: Annotated[str | None, typer.Option(help='Direct, such as "9 MPa".')] = None,
+    friction_angle: Annotated[str | None, typer.Option(help='Such as "55 deg".')] = None,
+    density: Annotated[str | None, typer.Option(help='Such as "2630 kg/m3".')] = None,
+    dimension: Annotated[int | None, typer.Option(help="Discs (2) or spheres (3). [default: 2]")] = None,
+    seed: Annotated[int | None, typer.Option(help="Other specimens with another. [default: 1]")] = None,
+    threads: ThreadsOption = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Coarse specimens, few of them: a first look.")
+    ] = False,
+    overwrite: OverwriteOption = False,
+) -> None:
+    """Find the bonds of particles that behave like a given rock, and write them as a material file."""
+    given = {
+        "young_modulus": young_modulus, "poisson_ratio": poisson_ratio,
+        "uniaxial_compressive_strength": compressive_strength, "tensile_strength": tensile_strength,
+        "friction_angle": friction_angle, "density": density, "dimension": dimension, "seed": seed,
+    }  # fmt: skip
+    if case is not None:
+        named = [name for name, value in given.items() if value is not None]
+        if named:
+            raise InputError(
+                f"--{named[0].replace('_', '-')}", "the rock is given by a case and by options",
+                "Give one of the two: change the case, or leave it out",
+            )  # fmt: skip
+        _run(case, out, threads, quick, overwrite, workflow="calibration")
+        return
+    if out is None:
+        raise InputError("--out", "missing", "Without a case name the folder of the results: --out granite")
+    from .calibration_run import calibration_of
+
+    _run(calibration_of(given, out.name), out, threads, quick, overwrite)
+
+
+def _run(
+    case: Any,
+    out: Path | None,
+    threads: int | None,
+    quick: bool,
+    overwrite: bool,
+    workflow: str | None = None,
+) -> None:
+    """Run a case, given or at a path; `workflow` is the only kind that is taken."""
+    from .case import load_any
     from .workflow import default_folder, run_case
 
     folder = out if out is not None else default_folder(case, quick)
+    if workflow is not None:
+        # the path says which case it is, what was read says which kind
+        loaded = load_any(case)
+        if loaded.workflow != workflow:
+            command = {"laboratory": "lab", "calibration": "calibrate"}.get(loaded.workflow, "run")
+            raise InputError(
+                "workflow", f"this command takes cases of the kind {workflow}",
+                f"Run it with: geodem {command} {shlex.quote(str(case))}", value=loaded.workflow,
+            )  # fmt: skip
     with _interruptible(folder) as stop_asked, _progress() as watch:
         result = run_case(
             case, folder, threads=threads, quickly=quick, overwrite=overwrite,
@@ -91,7 +172,9 @@ def check(
 
 @app.command()
 def new(
-    kind: Annotated[str, typer.Argument(metavar="KIND", help="What to make: slope.")],
+    kind: Annotated[
+        str, typer.Argument(metavar="KIND", help="What to make: slope, laboratory, calibration.")
+    ],
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder that does not exist yet.")],
 ) -> None:
     """Make a folder with a case to start from."""
@@ -118,7 +201,7 @@ def new(
 
 @app.command()
 def plot(folder: FolderArgument) -> None:
-    """Make the report and its pictures again from a folder's checkpoint."""
+    """Make the report and its pictures again from what a folder holds."""
     from .workflow import redraw
 
     console.print(f"Report: {redraw(folder)}")
@@ -180,7 +263,7 @@ def _interruptible(folder: Path) -> Iterator[Callable[[], bool]]:
         yield lambda: asked
     except (KeyboardInterrupt, StoppedError) as error:
         what = "Stopped at once" if isinstance(error, KeyboardInterrupt) else f"{str(error).capitalize()}"
-        if (folder / "checkpoint.h5").is_file():
+        if (folder / "checkpoint.h5").is_file() or (folder / "tests").is_dir():
             raise StoppedError(f"{what}. Go on with: geodem resume {shlex.quote(str(folder))}") from None
         raise StoppedError(f"{what}. Nothing was kept; the same command begins again.") from None
     finally:
@@ -189,12 +272,21 @@ def _interruptible(folder: Path) -> Iterator[Callable[[], bool]]:
 
 
 @contextmanager
-def _progress() -> Iterator[Callable[[Update], None]]:
-    """A live line with the bracket closing; plain lines, one a trial, where there is no terminal."""
+def _progress() -> Iterator[Callable[[Any], None]]:
+    """A live line; plain lines, one a trial or a test, where there is no terminal."""
     live = console.status("starting") if console.is_terminal else None
     shown: dict[str, Any] = {"trial": None, "stage": "", "time": 0.0}
 
-    def watch(update: Update) -> None:
+    def watch(update: Any) -> None:
+        # what a kind of case tells is known by what it holds: naming the classes would load them all
+        if hasattr(update, "running"):
+            _watch_tests(update, live)
+        elif hasattr(update, "rounds"):
+            _watch_calibration(update, live, shown)
+        else:
+            watch_search(update)
+
+    def watch_search(update: Update) -> None:
         stage = f"{update.stage}: {update.text}"
         progress = update.progress
         if live is None:
@@ -219,6 +311,32 @@ def _progress() -> Iterator[Callable[[Update], None]]:
     else:
         with live:
             yield watch
+
+
+def _watch_tests(overview: Overview, live: Any) -> None:
+    from .plotting.laboratory_wording import overview_lines
+
+    head, lines = overview_lines(overview)
+    if not math.isnan(overview.seconds_left) and overview.finished < overview.total:
+        head += f", about {_duration(overview.seconds_left)} left"
+    if live is not None:
+        live.update("\n  ".join([head, *lines]))
+    elif overview.last is not None:
+        console.print(f"{_escaped(overview.last.record.summary())}\n  {head}")
+
+
+def _watch_calibration(progress: Progress, live: Any, shown: dict[str, Any]) -> None:
+    left = (
+        ""
+        if math.isnan(progress.seconds_left)
+        else f", at most about {_duration(progress.seconds_left)} left"
+    )
+    line = f"{progress.text}{left}"
+    if live is not None:
+        live.update(line)
+    elif line != shown["stage"]:
+        console.print(line)
+    shown["stage"] = line
 
 
 def _closing(update: Update) -> str:
@@ -249,6 +367,28 @@ def _duration(seconds: float) -> str:
 
 def _tell(result: dict[str, Any], folder: Path) -> None:
     """The answer, in the words of the report."""
+    from .plotting import laboratory_wording as tests
+
+    if result["workflow"] == "laboratory":
+        for line in tests.property_lines(result["properties"]):
+            console.print(f"[bold]{_escaped(line)}[/]")
+    elif result["workflow"] == "calibration":
+        for line in tests.calibration_lines(result):
+            console.print(f"[bold]{_escaped(line)}[/]")
+    else:
+        _tell_factors(result)
+    for warning in result["warnings"]:
+        console.print(f"[yellow]note[/] {_escaped(warning)}")
+    time_line = (
+        f"{result['particles']:,} particles, {result['steps']:,} steps, {_duration(result['wall_time_s'])}"
+    )
+    console.print(f"{time_line}, of which {result['compile_time_s']:.1f} s compiling")
+    if "material_file" in result:
+        console.print(f"Material: {_escaped(str(folder / result['material_file']))}")
+    console.print(f"Report: {_escaped(str(folder / 'report.html'))}")
+
+
+def _tell_factors(result: dict[str, Any]) -> None:
     from .plotting.wording import found
 
     for entry in result["factors"]:
@@ -271,13 +411,6 @@ def _tell(result: dict[str, Any], folder: Path) -> None:
         console.print(_escaped("Beside it: " + ", ".join(beside)))
     if result["neighbours_why"]:
         console.print(_escaped(f"No limit equilibrium beside it: {result['neighbours_why']}"))
-    for warning in result["warnings"]:
-        console.print(f"[yellow]note[/] {_escaped(warning)}")
-    time_line = (
-        f"{result['particles']:,} particles, {result['steps']:,} steps, {_duration(result['wall_time_s'])}"
-    )
-    console.print(f"{time_line}, of which {result['compile_time_s']:.1f} s compiling")
-    console.print(f"Report: {_escaped(str(folder / 'report.html'))}")
 
 
 if __name__ == "__main__":

@@ -11,9 +11,9 @@ from typing import Any
 from .case.laboratory import LaboratoryCase
 from .errors import InputError, StoppedError
 from .io.checkpoint import checksum
-from .io.files import read_json, write_json
+from .io.files import read_json, write_json, write_whole
 from .io.history import write_history
-from .io.run_folder import claim_folder, write_case
+from .io.run_folder import claim_folder
 from .laboratory import pace as paces
 from .laboratory.entries import envelope_entry, group_entry, material_entry, property_entry
 from .laboratory.files import HISTORY_COLUMNS, history_line, write_tests
@@ -80,15 +80,16 @@ def run_laboratory(
     StoppedError
         `stop_asked` said so; the same call goes on.
     """
-    asked, case = case, quick(case) if quickly else case
+    case = quick(case) if quickly else case
     orders = orders_of(case, quickly)
     _check(case, orders)
     identity = _identity(orders)
-    if claim_folder(out, identity, asked.text, overwrite=overwrite, written=WRITTEN):
+    text = case.as_run_text()
+    if claim_folder(out, identity, text, overwrite=overwrite, written=WRITTEN):
         stored = read_json(out / "result.json")
         if stored is not None and stored["status"] == "done" and _all_there(orders, out):
             return stored
-    write_case(out, asked.text, asked.material_file)
+    write_whole(out / "case.toml", text)
     begun = time.perf_counter()
     before = float((read_json(out / "result.json") or {}).get("wall_time_s") or 0.0)
     count = workers_allowed(threads)
@@ -149,6 +150,8 @@ def _as_run(case: LaboratoryCase, stored: dict[str, Any]) -> tuple[LaboratoryCas
 def orders_of(case: LaboratoryCase, quickly: bool = False) -> list[TestOrder]:
     """Every test of a case on every specimen."""
     common = case.specimen.arguments()
+    # as the case that is written says it
+    common["height"] = common["height"] or 2.0 * case.specimen.width
     pace = (QUICK_PACE if quickly else 1.0) * paces.PACE
     return [
         TestOrder(test.kind, {**common, "seed": case.seed + k}, case.material, stress=stress, pace=pace)

@@ -12,7 +12,7 @@ from typing import Any
 from ._jit import set_threads
 from .analysis import Analysis, Update
 from .building import case_identity, portable_text, quick
-from .case import Case, load_case
+from .case import CalibrationCase, Case, LaboratoryCase, load_any, load_case
 from .errors import InputError, StoppedError
 from .io.checkpoint import read_checkpoint
 from .io.files import cannot_write, read_json, remove_unfinished
@@ -21,15 +21,17 @@ from .provenance import sources_digest
 
 NEIGHBOUR_SECONDS = 60.0
 
+AnyCase = Case | LaboratoryCase | CalibrationCase
+
 
 def run_case(
-    case: Path | str | Case,
+    case: Path | str | AnyCase,
     out: Path | str | None = None,
     *,
     threads: int | None = None,
     quickly: bool = False,
     overwrite: bool = False,
-    watch: Callable[[Update], None] | None = None,
+    watch: Callable[[Any], None] | None = None,
     stop_asked: Callable[[], bool] | None = None,
     command: str = "",
 ) -> dict[str, Any]:
@@ -37,17 +39,17 @@ def run_case(
 
     Parameters
     ----------
-    case : path of a case file or of the folder that holds case.toml, or Case
+    case : path of a case file or of the folder that holds case.toml, or what was read from one
     out : path, optional
         Folder of the results; in the working folder, named after the case, if left out.
     threads : int, optional
         All cores if left out; the bits of the result do not depend on it.
     quickly : bool
-        About 1,000 particles and a wide tolerance, for a first look.
+        About 1,000 particles and a wide tolerance, or coarse specimens, for a first look.
     overwrite : bool
         Replace the results of another case in that folder.
     watch, stop_asked : callables
-        As in `Analysis`.
+        As in `Analysis`; of a laboratory case as in `run_laboratory`.
     command : str
         For the report.
 
@@ -63,11 +65,16 @@ def run_case(
     StoppedError
         `stop_asked` said so; `resume_case` goes on.
     """
-    path = None if isinstance(case, Case) else Path(case)
-    loaded = case if isinstance(case, Case) else load_case(Path(case))
+    path = Path(case) if isinstance(case, (str, Path)) else None
+    loaded: AnyCase = load_any(Path(case)) if isinstance(case, (str, Path)) else case
+    folder = Path(out) if out is not None else default_folder(path, quickly)
+    if not isinstance(loaded, Case):
+        return _run_other(
+            loaded, folder, threads=threads, quickly=quickly, overwrite=overwrite, watch=watch,
+            stop_asked=stop_asked, command=command,
+        )  # fmt: skip
     if quickly:
         loaded = quick(loaded)
-    folder = Path(out) if out is not None else default_folder(path, quickly)
     set_threads(threads)
     standing = _standing(folder, loaded, path)
     if standing == "other" and not overwrite:
@@ -89,11 +96,22 @@ def run_case(
     return _finish(analysis, folder, command)
 
 
+def _run_other(case: LaboratoryCase | CalibrationCase, folder: Path, **options: Any) -> dict[str, Any]:
+    """A case of tests on specimens."""
+    if isinstance(case, LaboratoryCase):
+        from .laboratory_run import run_laboratory
+
+        return run_laboratory(case, folder, **options)
+    from .calibration_run import run_calibration
+
+    return run_calibration(case, folder, **options)
+
+
 def resume_case(
     folder: Path | str,
     *,
     threads: int | None = None,
-    watch: Callable[[Update], None] | None = None,
+    watch: Callable[[Any], None] | None = None,
     stop_asked: Callable[[], bool] | None = None,
     command: str = "",
 ) -> dict[str, Any]:
@@ -107,6 +125,22 @@ def resume_case(
         Stopped again.
     """
     folder = Path(folder)
+    if _holds_tests(folder):
+        other = load_any(folder / "case.toml")
+        options: dict[str, Any] = {
+            "threads": threads,
+            "watch": watch,
+            "stop_asked": stop_asked,
+            "command": command,
+        }
+        if isinstance(other, LaboratoryCase):
+            from .laboratory_run import resume_laboratory
+
+            return resume_laboratory(folder, other, **options)
+        if isinstance(other, CalibrationCase):
+            from .calibration_run import resume_calibration
+
+            return resume_calibration(folder, other, **options)
     set_threads(threads)
     read_checkpoint(folder / "checkpoint.h5")  # before the case: its absence explains more
     case = load_case(folder / "case.toml")
@@ -122,6 +156,16 @@ def redraw(folder: Path | str) -> Path:
         No checkpoint there, or one of another version.
     """
     folder = Path(folder)
+    if _holds_tests(folder):
+        other = load_any(folder / "case.toml")
+        if isinstance(other, LaboratoryCase):
+            from .laboratory_run import redraw_laboratory
+
+            return redraw_laboratory(folder, other)
+        if isinstance(other, CalibrationCase):
+            from .calibration_run import redraw_calibration
+
+            return redraw_calibration(folder, other)
     read_checkpoint(folder / "checkpoint.h5")
     analysis = Analysis.from_checkpoint(load_case(folder / "case.toml"), folder)
     stored = read_json(folder / "result.json")
@@ -130,6 +174,12 @@ def redraw(folder: Path | str) -> Path:
     else:
         draw_outputs(analysis, folder, stored)
     return folder / "report.html"
+
+
+def _holds_tests(folder: Path) -> bool:
+    """Whether a folder is that of a laboratory case or of a calibration."""
+    stored = read_json(folder / "result.json") or {}
+    return stored.get("workflow") in ("laboratory", "calibration")
 
 
 def default_folder(case: Path | None, quickly: bool = False) -> Path:

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import RBFInterpolator
 from scipy.optimize import nnls
-from scipy.stats import norm
-from scipy.stats import t as student
+from scipy.special import ndtri, stdtrit
 
 from ..errors import InputError
 
@@ -96,11 +95,11 @@ class Surface:
         """
         level = 0.5 + 0.5 * confidence
         # each part by the quantile of its own freedom: a little too wide where both are alike, never too narrow
-        parts = [float(student.ppf(level, self.freedom)) * deviation]
+        parts = [float(stdtrit(self.freedom, level)) * deviation]
         if common:
-            parts.append(float(student.ppf(level, max(self.seeds - 1.0, 1.0))) * self.common)
+            parts.append(float(stdtrit(max(self.seeds - 1.0, 1.0), level)) * self.common)
         if tests is not None:
-            parts.append(float(norm.ppf(level)) * self.scatter / np.sqrt(tests))
+            parts.append(float(ndtri(level)) * self.scatter / np.sqrt(tests))
         return float(np.linalg.norm(parts))
 
 

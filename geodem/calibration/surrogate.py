@@ -12,9 +12,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import t as student
+from scipy.special import ndtri, stdtrit
 
 from ..errors import InputError
+from .estimate import CONFIDENCE, Estimate
 from .surface import Noise, Surface, fit_surface, nearest_in_hull, noise_of
 from .table import DEFAULTS, LOGARITHMIC, MACRO, MICRO, MapTable
 
@@ -33,23 +34,8 @@ sizes, other resolutions, other seeds."""
 REACH = 1.0
 """Distance, in half ranges of the map, over which a correction found at one point loses most of its hold."""
 
-CONFIDENCE = 0.95
-
 POOLED = 3
 """Degrees of freedom from which on the scatter is that of the trials' own specimens."""
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """A value and the interval that holds the true one in `CONFIDENCE` of the cases."""
-
-    value: float
-    low: float
-    high: float
-
-    def times(self, factor: float) -> Estimate:
-        """The same of a quantity `factor` times as large."""
-        return Estimate(self.value * factor, self.low * factor, self.high * factor)
 
 
 @dataclass(frozen=True)
@@ -339,9 +325,9 @@ def estimate_of(name: str, values: Sequence[float], *, scatter: float | None = N
         raise InputError(name, f"{len(found)} values tell no interval", "Run two specimens at least")
     if scatter is None:
         scatter = float(found.std(ddof=1))
-        quantile = float(student.ppf(0.5 + 0.5 * CONFIDENCE, len(found) - 1))
+        quantile = float(stdtrit(len(found) - 1, 0.5 + 0.5 * CONFIDENCE))
     else:
-        quantile = float(student.ppf(0.5 + 0.5 * CONFIDENCE, math.inf))
+        quantile = float(ndtri(0.5 + 0.5 * CONFIDENCE))
     return _estimate(name, float(found.mean()), quantile * scatter / math.sqrt(len(found)))
 
 

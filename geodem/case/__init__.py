@@ -12,19 +12,38 @@ from geodem.case.data import (
     RegionSection,
     Surcharge,
 )
+from geodem.case.laboratory import CalibrationCase, LaboratoryCase
+from geodem.case.laboratory_reading import (
+    load_any,
+    load_calibration,
+    load_laboratory,
+    parse_calibration,
+    parse_laboratory,
+)
+from geodem.case.material_file import Calibrated, load_material, write_material
 from geodem.case.reading import load_case, parse_case
 
 __all__ = [
     "METHODS",
     "Boundary",
+    "Calibrated",
+    "CalibrationCase",
     "Case",
     "GroundMaterial",
     "ImageSection",
+    "LaboratoryCase",
     "Loads",
     "Reference",
     "Refinement",
     "RegionSection",
     "Surcharge",
+    "load_any",
+    "load_calibration",
     "load_case",
+    "load_laboratory",
+    "load_material",
+    "parse_calibration",
     "parse_case",
+    "parse_laboratory",
+    "write_material",
 ]

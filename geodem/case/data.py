@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-WORKFLOWS = ("slope",)
+COMMANDS = {"slope": "geodem run", "laboratory": "geodem lab", "calibration": "geodem calibrate"}
+WORKFLOWS = tuple(COMMANDS)
 METHODS = ("strength-reduction", "gravity-increase")
 PACKINGS = ("random", "hexagonal")
 SUPPORTS = ("free", "roller", "fixed")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +15,12 @@ from geodem.case.data import (
     Reference,
     RegionSection,
 )
+from geodem.case.document import check_allowed, parse_document, read_allowed, read_text, refuse_other
 from geodem.case.loading import read_boundary, read_loads
 from geodem.case.material import check_names, read_materials
 from geodem.case.section import positive, read_section
-from geodem.case.table import Findings, Table, join, listed, nearest, places_of
-from geodem.errors import InputError, InputErrors
+from geodem.case.table import Findings, Table, join, listed, nearest
+from geodem.errors import InputErrors
 
 KEYS = (
     "workflow",
@@ -42,8 +42,6 @@ DEFAULT_PARTICLES = 5000
 DEFAULT_TOLERANCE = 0.01
 DEFAULT_SEED = 1
 _FEW, _MANY = 100, 10_000_000  # particles: below, no mechanism can form; above, days and tens of gigabytes
-_DEEPEST = 20  # tables in tables; a case has five
-_BEGIN = "`geodem new slope DIR` writes a case to begin with."
 
 
 def load_case(path: Path | str) -> Case:
@@ -65,25 +63,8 @@ def load_case(path: Path | str) -> Case:
     InputErrors
         All that is wrong in the file, in its order.
     """
-    path = Path(path)
-    try:
-        if path.is_dir():
-            path = path / "case.toml"
-        content = path.read_bytes()
-    except (FileNotFoundError, NotADirectoryError):
-        raise InputError(str(path), "there is no such case file", f"Check the path. {_BEGIN}") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(
-            str(path), f"the case file cannot be read ({reason})", "Check the path and its permissions."
-        ) from None
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = content.count(b"\n", 0, error.start) + 1
-        problem = f"line {line} is not UTF-8 text"
-        raise InputError(str(path), problem, "Save the file as UTF-8.") from None
-    return parse_case(text, path.parent)
+    text, folder = read_text(path)
+    return parse_case(text, folder)
 
 
 def parse_case(text: str, folder: Path) -> Case:
@@ -107,10 +88,11 @@ def parse_case(text: str, folder: Path) -> Case:
     InputErrors
         All that is wrong in it, in its order.
     """
-    document = _document(text)
+    document = parse_document(text)
+    refuse_other(document, "slope")
     findings = Findings(document)
     top = Table(findings, "", document, KEYS)
-    _read_allowed(top, document)
+    read_allowed(top)
     workflow = _workflow(top)
     title = top.text("title", remedy='Write title = "My slope".')
     if "title" not in top:
@@ -135,7 +117,7 @@ def parse_case(text: str, folder: Path) -> Case:
     if section is not None and spacing is not None:
         _check_spacing(findings, section, spacing)
     reference = _reference(top)
-    _check_allowed(findings, document)
+    check_allowed(findings, document)
     if findings.errors:
         raise InputErrors(findings.in_order())
     # every None below has been reported
@@ -163,56 +145,6 @@ def parse_case(text: str, folder: Path) -> Case:
         questions=tuple(findings.questions),
         text=text,
     )
-
-
-def _document(text: str) -> dict[str, Any]:
-    """The parsed TOML."""
-    try:
-        document = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        # "Cannot overwrite a value (at line 3, column 5)"
-        message, _, where = str(error).rstrip(")").partition(" (at ")
-        remedy = (
-            "Mend this place; text stands in quotes, a table begins with [name], and each key stands once."
-        )
-        raise InputError(
-            f"case file, {where}" if where else "case file", f"this is not TOML: {message}", remedy
-        ) from None
-    except (ValueError, RecursionError):
-        raise InputError(
-            "case file", "a number is too long or lists are nested too deep", "Shorten it."
-        ) from None
-    level: list[Any] = [document]
-    for _ in range(_DEEPEST):
-        level = [inner for value in level for inner in (value.values() if isinstance(value, dict) else value)]
-        level = [value for value in level if isinstance(value, dict | list)]
-    if level:
-        raise InputError(
-            "case file", f"tables are nested more than {_DEEPEST} deep", f"A case has five levels. {_BEGIN}"
-        )
-    return document
-
-
-def _read_allowed(top: Table, document: dict[str, Any]) -> None:
-    allowed = []
-    for index, value in enumerate(top.items("allow_implausible", example='["material.soil.density"]')):
-        if isinstance(value, str):
-            allowed.append(value)
-        else:
-            problem = f"the text of a key is needed here, not {units.describe(value)}"
-            remedy = 'Write allow_implausible = ["material.soil.density"].'
-            top.findings.error(f"allow_implausible[{index}]", problem, remedy, value=value)
-    top.findings.allowed = tuple(dict.fromkeys(allowed))
-
-
-def _check_allowed(findings: Findings, document: dict[str, Any]) -> None:
-    known = dict.fromkeys([*places_of(document), *findings.asked])
-    for place in findings.allowed:
-        if place not in known:
-            remedy = f'{nearest(place, known)}Write the full key, as in "material.soil.density".'
-            findings.error("allow_implausible", "no such key in this case", remedy, value=place)
-        elif place not in findings.asked:
-            findings.notices.append(f"allow_implausible: {place} is plausible and needs no permission.")
 
 
 def _workflow(top: Table) -> str | None:

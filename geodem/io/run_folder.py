@@ -1,13 +1,12 @@
-"""The folder of a run: what already stands in it, what may be written over, and the case file that is kept there."""
+"""The folder of a run: what already stands in it, and what may be written over."""
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 
 from ..errors import InputError
-from .files import cannot_write, read_json, remove_unfinished, write_whole
+from .files import cannot_write, read_json, remove_unfinished
 
 RESULTS = ("result.json", "checkpoint.h5")
 """Files that tell that a run has written to a folder."""
@@ -62,30 +61,3 @@ def claim_folder(
                 path.unlink()
         return False
     return same
-
-
-def write_case(folder: Path, text: str, beside: Path | None = None) -> None:
-    """case.toml, and beside it the file that it names, under its own name.
-
-    Parameters
-    ----------
-    folder : pathlib.Path
-    text : str
-        TOML.
-    beside : pathlib.Path, optional
-        A file that the text names, by whatever path.
-    """
-    if beside is not None:
-        copy, content = folder / beside.name, beside.read_bytes()
-        if not copy.exists() or copy.read_bytes() != content:
-            write_whole(copy, content)
-        text = _named_beside(text, beside.name)
-    write_whole(folder / "case.toml", text)
-
-
-def _named_beside(text: str, name: str) -> str:
-    """The text with the path of its material file cut down to the name."""
-    given = str(tomllib.loads(text).get("material", {}).get("file", name))
-    for quote in ('"', "'"):
-        text = text.replace(f"{quote}{given}{quote}", f"{quote}{name}{quote}")
-    return text

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 
 import numpy as np
 
 from ..errors import InputError
 from . import pace as paces
+from .failure_plane import failure_numbers
 from .material import BondedMaterial
 from .record import Floats, TestRecord
 from .rig import STEP, Motion, Rig, Watch, seen_cracks
@@ -19,6 +21,12 @@ FALL = 0.7
 
 INITIATION = 0.01
 """Crack initiation: this share of the cracks at the peak is there (Potyondy & Cundall 2004, section 4.2)."""
+
+SLOWEST = 1e-30
+"""Rate that only says in which direction [1/step]."""
+
+FARTHER = 3.0
+"""How much farther and faster a pilot goes on that has not come to the peak."""
 
 RATIO = 0.05
 """Unbalanced ratio at the peak above which a warning is given: forces of inertia are no longer small."""
@@ -60,7 +68,8 @@ def compress(
     -------
     TestRecord
         `strength` is the largest axial stress [Pa]. Numbers: young_modulus [Pa], poisson_ratio, peak_strain,
-        residual_stress [Pa], crack_initiation_stress and crack_damage_stress [Pa], confinement [Pa].
+        residual_stress [Pa], crack_initiation_stress and crack_damage_stress [Pa], confinement [Pa],
+        failure_angle [rad] to the axis and localisation (`geodem.laboratory.failure_plane`).
 
     Raises
     ------
@@ -119,35 +128,31 @@ def _along(
         return Rig(specimen, material, confinement=confinement, time_share=time_share, seed=own)
 
     steps = 0
+    fastest: tuple[Rig, Motion] | None = None
     if not paces.sound(expected):
-        rig = mounted()
-        rig.solve()
-        # tension goes about as far as the first break, compression several times as far
-        rig.begin(0.0)
-        guess = rig.first_break * (1.2 if sign < 0.0 else 4.0)
-        # under pressure a bond may be near its strength from the start
-        guess = max(guess, 6.0 * confinement / rig.modulus)
-        rig = mounted()
-        rate = paces.rate_of(guess, high, paces.PILOT)
-        rig.begin(sign * rate)
-        pilot = Motion(rig, sign)
-        pilot.until_failure(
-            every=paces.looks_every(guess, rate), fall=fall, longest=paces.longest(guess), floor=confinement
-        )
-        curves = pilot.curves()
+        rig, motion, failed = _pilot(mounted, sign, confinement, high, fall)
+        steps += rig.simulation.steps
+        curves = motion.curves()
         share = paces.PILOT_SHARE["tension" if sign < 0.0 else "compression"]
         expected = share * float(curves["axial_strain"][np.argmax(curves["axial_stress"])])
-        steps += rig.simulation.steps
+        fastest = None if failed else (rig, motion)
     assert expected is not None
-    rig = mounted()
-    rate = paces.rate_of(expected, high, pace)
-    rig.begin(sign * rate)
+    if fastest is None:
+        rig = mounted()
+        rate = paces.rate_of(expected, high, pace)
+        rig.begin(sign * rate)
+        motion = Motion(rig, sign)
+        failed, reason = motion.until_failure(
+            every=paces.looks_every(expected, rate), fall=fall, longest=paces.longest(expected),
+            floor=confinement, watch=watch,
+        )  # fmt: skip
+    else:
+        # what does not fail when it is driven fast does not when it is driven slowly
+        rig, motion = fastest
+        steps -= rig.simulation.steps
+        rate = abs(rig.rate)
+        failed, reason = False, f"no failure up to an axial strain of {motion.rows[-1][1]:.2%}"
     young, poisson = rig.elastic_constants()
-    motion = Motion(rig, sign)
-    failed, reason = motion.until_failure(
-        every=paces.looks_every(expected, rate), fall=fall, longest=paces.longest(expected), floor=confinement,
-        watch=watch,
-    )  # fmt: skip
     curves = motion.curves()
     s = rig.simulation
     stress = curves["axial_stress"]
@@ -167,6 +172,7 @@ def _along(
         "shear_cracks_at_peak": float(curves["shear_cracks"][top]),
         "bonds": float(len(s.assembly.bonds)),
         "rate_per_step": rate,
+        **failure_numbers(specimen, cracks),
     }
     warnings = []
     if numbers["unbalanced_ratio"] > RATIO:
@@ -180,6 +186,31 @@ def _along(
         kind, float(stress[top]), failed, reason, curves, numbers, cracks, s.positions, s.positions - rig.start,
         steps + s.steps, time.perf_counter() - begun, specimen.seed, tuple(warnings),
     )  # fmt: skip
+
+
+def _pilot(
+    mounted: Callable[[], Rig], sign: float, confinement: float, high: float, fall: float
+) -> tuple[Rig, Motion, bool]:
+    """A fast test that only finds out how far the peak is; whether it failed at all."""
+    rig = mounted()
+    rig.begin(sign * SLOWEST)
+    # tension goes about as far as the first break, compression several times as far
+    guess = rig.first_break * (1.2 if sign < 0.0 else 4.0)
+    # under pressure a bond may be near its strength from the start
+    guess = max(guess, 6.0 * confinement / rig.modulus)
+    rig = mounted()
+    rate = paces.rate_of(guess, high, paces.PILOT)
+    rig.begin(sign * rate)
+    motion = Motion(rig, sign)
+    while True:
+        failed, _ = motion.until_failure(
+            every=paces.looks_every(guess, rate), fall=fall, longest=paces.longest(guess), floor=confinement
+        )
+        if failed or paces.longest(guess) >= paces.MOST_STRAIN:
+            return rig, motion, failed
+        # the weakest of many unlike bonds breaks far before the specimen
+        guess, rate = FARTHER * guess, FARTHER * rate
+        rig.drive(sign * rate)
 
 
 def _initiation(stress: Floats) -> float:

@@ -173,7 +173,7 @@ def jaws(specimen: Specimen, arc: float = ARC) -> NDArray[np.float64]:
     low, high = np.zeros(specimen.dimension - 1), specimen.size[:-1].copy()
     low[0], high[0] = middle[0] - half, middle[0] + half
     for sign in (1.0, -1.0):
-        at = outermost(specimen.positions, specimen.radii, specimen.dimension - 1, sign, low, high)
+        at, _ = outermost(specimen.positions, specimen.radii, specimen.dimension - 1, sign, low, high)
         off = np.abs(specimen.positions[at, 0] - middle[0])
         motion[at[(off <= half) | (off == off.min(initial=math.inf))], -1] = -0.5 * sign
     return motion

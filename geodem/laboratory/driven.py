@@ -35,6 +35,10 @@ Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
+FARTHEST = 0.05
+"""Longest drive of the solved state over the size of the specimen: beyond, it is no longer linear."""
+
+
 class Driven:
     """A specimen ready to be loaded.
 
@@ -131,8 +135,8 @@ class Driven:
         held = np.array(s.assembly.held[ids])
         linked = np.zeros(len(ids), dtype=bool)
         linked[links.first] = linked[links.second] = True
-        solver = NetworkSolver(network, held=held | ~linked[:, None])
         shape = held.shape
+        solver = NetworkSolver(network, held=held | ~linked[:, None] | self._floating()[ids])
         given = np.zeros(shape)
         given[:, :d] = self.motion[ids]
         self.unit = np.empty(shape)
@@ -145,6 +149,19 @@ class Driven:
             applied[:, :d] = np.where(held[:, :d] | ~linked[:, None], 0.0, self.load[ids])
             self.loaded[ids] = solver.solve(applied)
         self._solved = True
+
+    def _floating(self) -> Mask:
+        """Freedoms (n, d + s) of one particle that keep the whole from floating where no grip holds it."""
+        d = self.dimension
+        found = np.zeros(self.simulation.assembly.held.shape, dtype=bool)
+        driven = self.driven.any(axis=0)
+        away = ((self.start - self.start.mean(axis=0)) ** 2).sum(axis=1)
+        middle = int(np.argmin(away))
+        found[middle, :d] = ~driven
+        if d == 3 and driven.sum() == 1:
+            # it would turn about the axis of the drive
+            found[middle, d:] = driven
+        return found
 
     def begin(self, rate: float, *, share: float = FIRST_SHARE) -> None:
         """Go to the elastic state at `share` of the load of the first break and set everything in motion.
@@ -159,8 +176,8 @@ class Driven:
         s = self.simulation
         if self.load is not None:
             displace(s, self.loaded)
-        strain = np.abs(self.unit[:, : self.dimension]).max() / self.specimen.diameter
-        found = go_to_first_break(s, self.unit, TRIAL_STRAIN / strain, share)
+        size = float(self.specimen.size.max())
+        found = go_to_first_break(s, self.unit, TRIAL_STRAIN * size, share, farthest=FARTHEST * size)
         self.first_break = found / share
         held = s.assembly.held
         moving = np.where(held, np.hstack([s.velocities, s.spins]), rate / s.time_step * self.unit)
@@ -205,8 +222,8 @@ class Driven:
 
 def outermost(
     positions: Floats, radii: Floats, axis: int, sign: float, low: Floats, high: Floats
-) -> NDArray[np.int64]:
-    """Particles that rays along an axis meet first, ascending.
+) -> tuple[NDArray[np.int64], Floats]:
+    """Particles that rays along an axis meet first, ascending, and the share of the rays that meet each.
 
     Parameters
     ----------
@@ -220,25 +237,24 @@ def outermost(
     """
     across = [k for k in range(positions.shape[1]) if k != axis]
     spacing = float(radii.min()) / RAYS
-    near = (np.abs(positions[:, across] - 0.5 * (low + high)) <= 0.5 * (high - low) + radii[:, None]).all(
-        axis=1
-    )
+    away = np.abs(positions[:, across] - 0.5 * (low + high))
+    near = (away <= 0.5 * (high - low) + radii[:, None]).all(axis=1)
     along = sign * positions[:, axis]
     # the outermost layers are no thicker than this
     near &= along > along[near].max(initial=-math.inf) - LAYERS * 2.0 * float(radii.max())
     ids = np.flatnonzero(near)
-    if not len(ids):
-        return ids
-    grids = [
-        np.linspace(a, b, max(1, math.ceil((b - a) / spacing)) + 1) for a, b in zip(low, high, strict=True)
-    ]
-    found = set()
-    for ray in np.stack(np.meshgrid(*grids, indexing="ij"), axis=-1).reshape(-1, len(across)):
+    hits = np.zeros(len(ids))
+    lines = []
+    for first, last in zip(low, high, strict=True):
+        count = max(1, math.ceil((last - first) / spacing))
+        lines.append(first + (np.arange(count) + 0.5) / count * (last - first))
+    for ray in np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, len(across)):
         reach = radii[ids] ** 2 - ((positions[ids][:, across] - ray) ** 2).sum(axis=1)
         met = np.flatnonzero(reach > 0.0)
         if len(met):
-            found.add(int(ids[met[np.argmax(along[ids[met]] + np.sqrt(reach[met]))]]))
-    return np.array(sorted(found), dtype=np.int64)
+            hits[met[np.argmax(along[ids[met]] + np.sqrt(reach[met]))]] += 1.0
+    found = np.flatnonzero(hits)
+    return ids[found], hits[found] / max(hits.sum(), 1.0)
 
 
 RAYS = 3.0

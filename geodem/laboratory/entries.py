@@ -16,6 +16,10 @@ NUMBERS = {
     "crack_initiation_stress": "crack_initiation_stress_Pa",
     "crack_damage_stress": "crack_damage_stress_Pa",
     "failure_angle": "failure_angle_rad",
+    "localisation": "localisation",
+    "shear_stiffness": "shear_stiffness_Pa_per_m",
+    "dilation_angle": "dilation_angle_rad",
+    "crushing": "crushing",
 }
 """Numbers of the records that result.json tells, and their names in it."""
 

@@ -66,7 +66,7 @@ def estimate(orders: Sequence[TestOrder]) -> Estimate:
     InputError
         As of `specimen_of` and `Rig`.
     """
-    first = next((order for order in orders if KINDS[order.kind].shape is None), None)
+    first = next((order for order in orders if not KINDS[order.kind].slender), None)
     if first is None:
         first = TestOrder("uniaxial-compression", orders[0].specimen, orders[0].material)
     specimen = specimen_of(first)

@@ -46,6 +46,9 @@ FIRST_SHARE = 0.8
 TRIAL_STRAIN = 1e-6
 """Axial strain at which the bonds are looked at to find the load of the first break."""
 
+FARTHEST = 0.05
+"""Axial strain beyond which a specimen is no longer itself: what has not broken before counts as unbreakable."""
+
 GAUGE = 0.7
 """Share of the length and width, in the middle, over which strains are measured."""
 
@@ -106,7 +109,7 @@ class Rig:
         build.bond_within(material.bonding_range, scale=material.scatter(seed))
         for ids in (self.lower, self.upper):
             build.hold(ids, **{AXES[d - 1]: 0.0})
-        self.sides = Confinement(float(along.min()), float(along.max()), float(radii.min()))
+        self.sides = Confinement(float(along.min()), float(along.max()), float(radii.min()), d)
         if confinement:
             # compiled in from the start; the place of the forces is looked up again and again
             load = confinement * self.sides.loads(positions, radii, np.ones(len(radii), bool))
@@ -210,7 +213,7 @@ class Rig:
         base = p * (self.pressed + self.even * self.squeezed)
         if p:
             displace(s, base)
-        strain = go_to_first_break(s, sign * self.squeezed, TRIAL_STRAIN, share)
+        strain = go_to_first_break(s, sign * self.squeezed, TRIAL_STRAIN, share, farthest=FARTHEST)
         self.first_break = strain / share
         self.strain = sign * strain
         self.drive(rate)

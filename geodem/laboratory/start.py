@@ -16,7 +16,9 @@ WITHIN = 1.02
 """Utilisation over the share that is wanted, up to which nothing is taken back."""
 
 
-def go_to_first_break(simulation: ParticleSimulation, unit: Floats, trial: float, share: float) -> float:
+def go_to_first_break(
+    simulation: ParticleSimulation, unit: Floats, trial: float, share: float, *, farthest: float
+) -> float:
     """Move by a multiple of a solved motion until the most stressed bond is at `share` of its strength.
 
     Utilisations by tension and by shear rise with the multiple each in its own way: one that begins low, because a
@@ -34,6 +36,8 @@ def go_to_first_break(simulation: ParticleSimulation, unit: Floats, trial: float
         A small multiple, at which the bonds are looked at first; more is always gone.
     share : float
         Of the strength, below 1.
+    farthest : float
+        Multiple beyond which strains are no longer small: where no bond breaks before, no more than `trial` is gone.
 
     Returns
     -------
@@ -46,10 +50,8 @@ def go_to_first_break(simulation: ParticleSimulation, unit: Floats, trial: float
     rising = slope > 0.0
     room = np.where(rising, (share - before) / np.where(rising, slope, 1.0), math.inf)
     found = float(max(room.min(initial=math.inf), trial))
-    if not math.isfinite(found):
+    if found == trial or not found < farthest:
         return trial
-    if found == trial:
-        return found
     displace(simulation, (found - trial) * unit)
     start, most = float(before.max(initial=0.0)), float(bond_utilisation(simulation).max(initial=0.0))
     if most > WITHIN * share and most > start:

@@ -20,6 +20,13 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+LOADS = {
+    "brazilian": "tension in the middle by the load [MPa]",
+    "direct-shear": "shear stress [MPa]",
+    "three-point-bending": "stress of the extreme fibre [MPa]",
+}
+"""What is drawn upwards where it is no axial stress."""
+
 PASCAL = 1e-6
 """Stresses are drawn in MPa."""
 
@@ -41,7 +48,7 @@ def curves_chart(groups: Sequence[TestGroup]) -> Figure:
         shown = group.typical
         for test in group.tests:
             curves = test.record.curves
-            strain, stress = _scaled(curves[along], along), PASCAL * _load(curves)
+            strain, stress = _scaled(curves[along], along), PASCAL * curves["axial_stress"]
             main = test is shown
             look: dict[str, Any] = {
                 "color": colour,
@@ -68,9 +75,7 @@ def curves_chart(groups: Sequence[TestGroup]) -> Figure:
     else:
         axes.set_xlim(left=0.0)
     axes.set_xlabel(label)
-    axes.set_ylabel(
-        "axial stress [MPa]" if "axial_strain" in groups[0].tests[0].record.curves else "stress [MPa]"
-    )
+    axes.set_ylabel(LOADS.get(groups[0].kind, "axial stress [MPa]"))
     axes.set_ylim(bottom=0.0)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
@@ -225,11 +230,6 @@ def _abscissa(group: TestGroup) -> tuple[str, str]:
 
 def _scaled(values: Floats, name: str) -> Floats:
     return values * {"axial_strain": 100.0, "displacement": 1e3}.get(name, 1.0)
-
-
-def _load(curves: dict[str, Floats]) -> Floats:
-    """What is drawn upwards [Pa]."""
-    return curves[next(name for name in ("axial_stress", "shear_stress", "force") if name in curves)]
 
 
 def _sides(group: TestGroup) -> float:

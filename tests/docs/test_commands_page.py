@@ -16,9 +16,10 @@ def test_commands_and_options():
     rows = tables(PAGE)["geodem"]
     named = {row[0].strip("`").split()[1] for row in rows if row[0].startswith("`geodem ")}
     told = {
-        (row[0].strip("`"), name.strip("`"))
+        (option.strip("`"), name.strip("`"))
         for row in rows
         if row[0].startswith("`--")
+        for option in row[0].split(", ")
         for name in row[1].split(", ")
     }
     existing, options = set(), set()
@@ -29,7 +30,7 @@ def test_commands_and_options():
             kinds = [
                 kind for kind in get_args(parameter.annotation) if isinstance(kind, typer.models.OptionInfo)
             ]
-            options |= {(f"--{parameter.name}", name) for _ in kinds}
+            options |= {(f"--{parameter.name.replace('_', '-')}", name) for _ in kinds}
     assert named == existing
     assert told == options
 

@@ -1,0 +1,68 @@
+"""Results of the laboratory and of a calibration in the words of the commands."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from geodem.laboratory.orders import TestOrder
+from geodem.laboratory.workers import Overview
+from geodem.units import show
+
+
+def quantity_of(key: str) -> str:
+    """Kind of quantity of `geodem.units` from the unit at the end of a name in result.json."""
+    ends = {"_Pa": "stress", "_rad": "angle", "_kg_per_m3": "density"}
+    return next((kind for end, kind in ends.items() if key.endswith(end)), "dimensionless")
+
+
+def rounded(value: float, quantity: str, digits: int = 3) -> str:
+    """A value with its unit, to so many significant digits."""
+    return show(float(f"{value:.{digits}g}"), quantity)
+
+
+def property_lines(properties: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """A line for each property of a laboratory's result.json: mean, scatter, specimens."""
+    lines = []
+    for key, entry in properties.items():
+        quantity = quantity_of(key)
+        deviation, count = entry["standard_deviation"], entry["specimens"]
+        scatter = "" if deviation is None else f" ± {rounded(deviation, quantity, 2)}"
+        specimens = "1 specimen" if count == 1 else f"{count} specimens"
+        name = entry["name"][0].upper() + entry["name"][1:]
+        lines.append(f"{name} {rounded(entry['mean'], quantity)}{scatter} ({specimens})")
+    return lines
+
+
+def named(order: TestOrder) -> str:
+    """A test in words."""
+    at = f" at {show(order.stress, 'stress')}" if order.stress else ""
+    return f"{order.kind}{at}, specimen {order.seed}"
+
+
+def overview_lines(overview: Overview) -> tuple[str, list[str]]:
+    """How far the tests are, and what is carried out now."""
+    head = f"{overview.finished} of {overview.total} tests finished"
+    lines = []
+    for order, strain, stress in overview.running:
+        where = (
+            "beginning"
+            if math.isnan(strain)
+            else f"strain {100.0 * strain:.3f} %, {rounded(stress, 'stress')}"
+        )
+        lines.append(f"{named(order)}: {where}")
+    return head, lines
+
+
+def calibration_lines(result: Mapping[str, Any]) -> list[str]:
+    """A line for each property: what was wanted, what was come to, its interval."""
+    lines = []
+    for name, entry in result["properties"].items():
+        quantity = {"Pa": "stress", "rad": "angle"}.get(entry["unit"], "dimensionless")
+        low, high = (rounded(entry[end], quantity) for end in ("low", "high"))
+        lines.append(
+            f"{name.replace('_', ' ')} {rounded(entry['achieved'], quantity)} ({low} to {high}), "
+            f"wanted {rounded(entry['target'], quantity)}"
+        )
+    return lines
