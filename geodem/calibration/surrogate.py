@@ -131,7 +131,7 @@ class Surrogate:
         surface = self.answers[name].surface
         if self._tried(name):
             scatter, freedom = self._scatter(name)
-            quantile = float(student.ppf(0.5 + 0.5 * CONFIDENCE, freedom))
+            quantile = float(stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE))
             half = quantile * math.hypot(deviation, scatter / math.sqrt(tests) if tests is not None else 0.0)
         else:
             half = surface.half_width(deviation, CONFIDENCE, common=True, tests=tests)
