@@ -88,7 +88,7 @@ def find_failure_plane(places: Floats, weights: Floats, particles: Floats, thick
         centre = share @ cracks[near]
         away = cracks[near] - centre
         _, axes = np.linalg.eigh((share[:, None] * away).T @ away)
-        normal = axes[:, 0]
+        normal = np.asarray(axes[:, 0], dtype=np.float64)
     return FailurePlane(
         math.asin(min(abs(float(normal[-1])), 1.0)), normal, centre + middle, max(localisation, 0.0)
     )
