@@ -17,7 +17,7 @@ from .rig import Watch
 Floats = NDArray[np.float64]
 
 RATIO = 0.1
-"""Unbalanced ratio at the peak above which a warning is given: more than in compression, since tension breaks at once."""
+"""Unbalanced ratio at the peak above which a warning is given: more than in compression, since tension is sudden."""
 
 Reading = Callable[[Driven], float]
 """One more column of the curves."""

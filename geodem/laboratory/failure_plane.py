@@ -85,10 +85,10 @@ def find_failure_plane(places: Floats, weights: Floats, particles: Floats, thick
         if near.sum() <= d:
             break
         share = weights[near] / weights[near].sum()
-        centre = share @ cracks[near]
+        centre = np.asarray(share @ cracks[near], dtype=np.float64)
         away = cracks[near] - centre
         _, axes = np.linalg.eigh((share[:, None] * away).T @ away)
-        normal = np.asarray(axes[:, 0], dtype=np.float64)
+        normal = axes[:, 0]
     return FailurePlane(
         math.asin(min(abs(float(normal[-1])), 1.0)), normal, centre + middle, max(localisation, 0.0)
     )
