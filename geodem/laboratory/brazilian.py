@@ -21,10 +21,11 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from . import pace as paces
-from .driven import Driven, Driving, Watch, carry_out, outermost
+from .course import Driving, carry_out
+from .driven import Driven, outermost
 from .material import BondedMaterial
 from .record import Cracks, TestRecord
-from .rig import STEP
+from .rig import STEP, Watch
 from .specimen import Specimen
 
 ARC = math.radians(10.0)
@@ -40,7 +41,7 @@ FALL = 0.7
 """Share of the peak at which the test ends."""
 
 OVERSHOOT = 2.5
-"""Displacement at the peak over that at the first break, at a guess."""
+"""Displacement at the peak over `Driven.scale`, at a guess."""
 
 PILOT_SHARE = 0.9
 """Displacement at the peak over that of the fast pilot's."""
@@ -50,9 +51,6 @@ EARLY = 0.25
 
 NEAR = 0.15
 """Distance from the loads, over the diameter, up to which a crack is one of crushing."""
-
-RATIO = 0.1
-"""Unbalanced ratio at the peak above which a warning is given: a split is sudden, so twice that of compression."""
 
 
 def split(
@@ -129,31 +127,17 @@ def split(
     strength = float(curves["axial_stress"][top])
     at_peak = int(curves["tension_cracks"][top] + curves["shear_cracks"][top])
     numbers = {
-        "first_break_stress": driving.per_force * driven.stiffness * driven.first_break,
         "largest_stress": float(curves["axial_stress"].max()),
-        "stiffness": driven.stiffness,
-        "peak_displacement": float(curves["displacement"][top]),
         "residual_stress": float(curves["axial_stress"][-1]),
-        "unbalanced_ratio": float(curves["unbalanced_ratio"][max(top - 5, 0) : top + 1].mean()),
         "crushing": crushing(specimen, cracks, at_peak),
-        "tension_cracks_at_peak": float(curves["tension_cracks"][top]),
-        "shear_cracks_at_peak": float(curves["shear_cracks"][top]),
-        "bonds": float(len(s.assembly.bonds)),
-        "rate_per_step": run.rate,
+        **run.numbers(top),
     }
-    warnings = []
+    warnings = run.warnings(numbers, pace)
     if numbers["crushing"] > 0.5:
         warnings.append(
             f"{numbers['crushing']:.0%} of the first cracks lie within {NEAR:.0%} of the diameter of the loads: "
             "it was crushed there, and the strength is no tensile strength"
         )
-    if numbers["unbalanced_ratio"] > RATIO:
-        warnings.append(
-            f"forces of inertia are not small at the peak (unbalanced ratio {numbers['unbalanced_ratio']:.2g}): "
-            f"load more slowly (pace above {pace:g})"
-        )
-    if not run.failed:
-        warnings.append(f"{run.reason}: the strength is the largest stress that was reached, not a peak")
     return TestRecord(
         "brazilian", strength, run.failed, run.reason, curves, numbers, cracks, s.positions,
         s.positions - driven.start, run.steps, time.perf_counter() - begun, specimen.seed, tuple(warnings),

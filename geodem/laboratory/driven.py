@@ -8,14 +8,11 @@ grips feel. As in `geodem.laboratory.rig` the motion begins from the solved elas
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..builders.assembly_builder import AXES, AssemblyBuilder
-from ..builders.close_pairs import close_pairs
 from ..errors import InputError
 from ..integrators.elastic_network import NetworkSolver
 from ..integrators.network import build_network
@@ -23,7 +20,6 @@ from ..measure.region_stress import stress_in_region
 from ..particle_network import touching_links
 from ..particle_simulation import ParticleSimulation
 from ..particle_statics import displace
-from . import pace as paces
 from .confinement import joined_to_most
 from .material import BondedMaterial
 from .record import Cracks
@@ -50,8 +46,6 @@ class Driven:
         Way of every driven particle over the drive [-]; nan where it is free.
     load : (n, d), optional
         Constant forces [N].
-    firm : (n,) bool, optional
-        Particles whose bonds to one another hold, whatever they bear: those of grips.
     time_share : float
         Of the critical time step.
     seed : int
@@ -70,7 +64,6 @@ class Driven:
         motion: Floats,
         *,
         load: Floats | None = None,
-        firm: Mask | None = None,
         time_share: float = STEP,
         seed: int = 1,
     ) -> None:
@@ -93,7 +86,7 @@ class Driven:
         build.add_particles(
             positions, radii, material.name, density=material.density * even_density(radii, d)
         )
-        self._bond(build, firm, seed)
+        build.bond_within(material.bonding_range, scale=material.scatter(seed))
         for axis in range(d):
             if self.driven[:, axis].any():
                 build.hold(self.driven[:, axis], **{AXES[axis]: 0.0})
@@ -110,19 +103,6 @@ class Driven:
                 "Bond from farther apart: 1.05 for a dense packing", value=material.bonding_range,
             )  # fmt: skip
         self._solved = False
-
-    def _bond(self, build: AssemblyBuilder, firm: Mask | None, seed: int) -> None:
-        material, specimen = self.material, self.specimen
-        scale = material.scatter(seed)
-        if firm is None:
-            build.bond_within(material.bonding_range, scale=scale)
-            return
-        pairs, _ = close_pairs(
-            specimen.positions, specimen.radii, lambda a, b: material.bonding_range * (a + b), None
-        )
-        factors = np.full(len(pairs), scale) if isinstance(scale, float) else scale.factors(len(pairs))
-        factors[firm[pairs].all(axis=1)] = FIRM
-        build.bond(pairs, scale=factors)
 
     # ------------------------------------------------------------------ elastic
 
@@ -170,6 +150,9 @@ class Driven:
         ----------
         rate : float
             Drive per step [m].
+
+        `first_break` is then the drive at which the first bond breaks, and `scale` the one at which it would without
+        loads, and what the loads take [m].
         """
         if not self._solved:
             self.solve()
@@ -177,8 +160,11 @@ class Driven:
         if self.load is not None:
             displace(s, self.loaded)
         size = float(self.specimen.size.max())
-        found = go_to_first_break(s, self.unit, TRIAL_STRAIN * size, share, farthest=FARTHEST * size)
-        self.first_break = found / share
+        start = go_to_first_break(s, self.unit, TRIAL_STRAIN * size, share, farthest=FARTHEST * size)
+        self.first_break = start.multiple / share
+        # of the drive alone, whatever the loads have used up; what they add to the strength is of their own size
+        weight = 0.0 if self.load is None else float(np.abs(self.load).sum())
+        self.scale = 1.0 / max(start.steepest, 1.0 / (FARTHEST * size)) + weight / self.stiffness
         held = s.assembly.held
         moving = np.where(held, np.hstack([s.velocities, s.spins]), rate / s.time_step * self.unit)
         moving[:, : self.dimension][self.driven] = rate / s.time_step * self.motion[self.driven]
@@ -262,207 +248,3 @@ RAYS = 3.0
 
 LAYERS = 4.0
 """Largest diameters in which the outermost particles of a flat or a slightly curved face are found."""
-
-FIRM = 1e6
-"""Factor on the strength of bonds that hold."""
-
-Reading = Callable[[Driven], float]
-"""One more column of the curves."""
-
-
-class Course:
-    """Curves of a drive, look by look.
-
-    Parameters
-    ----------
-    driven : Driven
-    per_force : float
-        What the load counts as over its force [Pa/N].
-    more : dict of str to Reading
-        Further columns by name.
-    """
-
-    def __init__(self, driven: Driven, per_force: float, more: dict[str, Reading] | None = None) -> None:
-        self.driven = driven
-        self.per_force = per_force
-        self.more = more or {}
-        self.rows: list[tuple[float, ...]] = []
-        self.top = -math.inf
-        self.look()
-
-    def look(self) -> float:
-        """Take down where everything is; the stress."""
-        driven = self.driven
-        s = driven.simulation
-        force = driven.force()
-        modes = s.record[: len(s.assembly.bonds), 0]
-        self.rows.append(
-            (
-                s.steps, driven.displacement(), force, self.per_force * force, int((modes == 1).sum()),
-                int((modes == 2).sum()), s.unbalanced_ratio(), *(read(driven) for read in self.more.values()),
-            )
-        )  # fmt: skip
-        self.top = max(self.top, force)
-        return force
-
-    def until_failure(
-        self, *, every: int, fall: float, longest: float, beyond: float = 0.0, watch: Watch | None = None
-    ) -> tuple[bool, str]:
-        """Move until the load has fallen to `fall` of its peak and the drive is `beyond` [m]; whether it has, and why.
-
-        Parameters
-        ----------
-        every : int
-            Steps between looks.
-        longest : float
-            Drive at which it ends without failure [m].
-        """
-        fallen = False
-        while True:
-            self.driven.simulation.run(every)
-            force = self.look()
-            way = self.rows[-1][1]
-            if watch is not None:
-                watch(way, self.per_force * force)
-            fallen = fallen or (self.top > 0.0 and force < fall * self.top)
-            if fallen and way >= beyond:
-                return True, f"the load has fallen to {force / self.top:.0%} of its peak"
-            if way > longest:
-                return False, f"no failure up to a displacement of {1e3 * longest:.3g} mm"
-
-    def curves(self) -> dict[str, Floats]:
-        """By name."""
-        names = (
-            "steps", "displacement", "force", "axial_stress", "tension_cracks", "shear_cracks", "unbalanced_ratio",
-            *self.more,
-        )  # fmt: skip
-        return dict(zip(names, np.array(self.rows, dtype=float).T, strict=True))
-
-
-Watch = Callable[[float, float], None]
-"""Is told the displacement and the stress now and then."""
-
-
-@dataclass(frozen=True, eq=False)
-class Driving:
-    """How a drive is carried out.
-
-    Attributes
-    ----------
-    per_force : float
-        Stress over force [Pa/N].
-    high : float
-        Particles that a wave passes on its way through the specimen.
-    overshoot : float
-        Displacement at the peak over that of the first break, at a guess.
-    share : float
-        Displacement at the peak over that of the fast pilot's.
-    fall : float
-        Share of the peak at which the test ends.
-    beyond : float
-        It goes on until the displacement is this many times that at the peak [-].
-    """
-
-    per_force: float
-    high: float
-    overshoot: float
-    share: float
-    fall: float
-    beyond: float = 0.0
-
-
-@dataclass(frozen=True, eq=False)
-class Carried:
-    """What came of a drive.
-
-    Attributes
-    ----------
-    driven : Driven
-        At the end.
-    curves : dict of str to (k,)
-    failed : bool
-    reason : str
-    steps : int
-        Of the pilot too.
-    top : int
-        Place of the peak in the curves.
-    rate : float
-        Drive per step [m].
-    """
-
-    driven: Driven
-    curves: dict[str, Floats]
-    failed: bool
-    reason: str
-    steps: int
-    top: int
-    rate: float
-
-
-def carry_out(
-    mounted: Callable[[], Driven],
-    driving: Driving,
-    *,
-    pace: float,
-    expected: float | None = None,
-    more: dict[str, Reading] | None = None,
-    watch: Watch | None = None,
-) -> Carried:
-    """Drive a specimen past its peak.
-
-    Parameters
-    ----------
-    mounted : callable
-        Makes it anew.
-    driving : Driving
-    pace : float
-        See `geodem.laboratory.pace`.
-    expected : float, optional
-        Displacement at the peak [m]; a fast pilot finds it where it is left out.
-    more : dict of str to Reading
-        Further columns of the curves.
-
-    Raises
-    ------
-    InputError
-        A pace that is none, or as of `Driven`.
-    """
-    if not (math.isfinite(pace) and pace > 0.0):
-        raise InputError("pace", "these are no steps per particle", f"Give {paces.PACE:g}", value=pace)
-    steps = 0
-    if not paces.sound(expected):
-        driven = mounted()
-        driven.solve()
-        driven.begin(0.0)
-        guess = driving.overshoot * driven.first_break
-        pilot, _, _ = _driven_by(mounted, driving, guess, paces.PILOT, None, None)
-        steps = pilot.driven.simulation.steps
-        curves = pilot.curves()
-        expected = driving.share * float(curves["displacement"][np.argmax(curves["force"])])
-    assert expected is not None
-    course, failed, reason = _driven_by(mounted, driving, expected, pace, more, watch)
-    curves = course.curves()
-    s = course.driven.simulation
-    rate = paces.rate_of(expected, driving.high, pace)
-    return Carried(
-        course.driven, curves, failed, reason, steps + s.steps, int(np.argmax(curves["force"])), rate
-    )
-
-
-def _driven_by(
-    mounted: Callable[[], Driven],
-    driving: Driving,
-    expected: float,
-    pace: float,
-    more: dict[str, Reading] | None,
-    watch: Watch | None,
-) -> tuple[Course, bool, str]:
-    driven = mounted()
-    rate = paces.rate_of(expected, driving.high, pace)
-    driven.begin(rate)
-    course = Course(driven, driving.per_force, more)
-    failed, reason = course.until_failure(
-        every=paces.looks_every(expected, rate), fall=driving.fall, longest=paces.LONGEST * expected,
-        beyond=driving.beyond * expected, watch=watch,
-    )  # fmt: skip
-    return course, failed, reason

@@ -85,7 +85,7 @@ def find_failure_plane(places: Floats, weights: Floats, particles: Floats, thick
         if near.sum() <= d:
             break
         share = weights[near] / weights[near].sum()
-        centre = share @ cracks[near]
+        centre = np.asarray(share @ cracks[near], dtype=np.float64)
         away = cracks[near] - centre
         _, axes = np.linalg.eigh((share[:, None] * away).T @ away)
         normal = axes[:, 0]

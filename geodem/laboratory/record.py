@@ -20,6 +20,7 @@ UNITS = {
     "shear_cracks": "-",
     "force": "N",
     "displacement": "m",
+    "dilation": "m",
     "unbalanced_ratio": "-",
 }
 """Units of the curves."""

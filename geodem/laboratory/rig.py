@@ -213,7 +213,7 @@ class Rig:
         base = p * (self.pressed + self.even * self.squeezed)
         if p:
             displace(s, base)
-        strain = go_to_first_break(s, sign * self.squeezed, TRIAL_STRAIN, share, farthest=FARTHEST)
+        strain = go_to_first_break(s, sign * self.squeezed, TRIAL_STRAIN, share, farthest=FARTHEST).multiple
         self.first_break = strain / share
         self.strain = sign * strain
         self.drive(rate)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +17,24 @@ WITHIN = 1.02
 """Utilisation over the share that is wanted, up to which nothing is taken back."""
 
 
+class Start(NamedTuple):
+    """Where a motion begins.
+
+    Attributes
+    ----------
+    multiple : float
+        Of the solved motion.
+    steepest : float
+        Largest rise of a utilisation per multiple, without what was there before.
+    """
+
+    multiple: float
+    steepest: float
+
+
 def go_to_first_break(
     simulation: ParticleSimulation, unit: Floats, trial: float, share: float, *, farthest: float
-) -> float:
+) -> Start:
     """Move by a multiple of a solved motion until the most stressed bond is at `share` of its strength.
 
     Utilisations by tension and by shear rise with the multiple each in its own way: one that begins low, because a
@@ -41,24 +57,24 @@ def go_to_first_break(
 
     Returns
     -------
-    float
-        The multiple.
+    Start
     """
     before = bond_utilisation(simulation, look=True)
     displace(simulation, trial * unit)
     slope = (bond_utilisation(simulation) - before) / trial
     rising = slope > 0.0
+    steepest = float(slope.max(initial=0.0))
     room = np.where(rising, (share - before) / np.where(rising, slope, 1.0), math.inf)
     found = float(max(room.min(initial=math.inf), trial))
     if found == trial or not found < farthest:
-        return trial
+        return Start(trial, steepest)
     displace(simulation, (found - trial) * unit)
     start, most = float(before.max(initial=0.0)), float(bond_utilisation(simulation).max(initial=0.0))
     if most > WITHIN * share and most > start:
         back = max(found * max(share - start, 0.0) / (most - start), trial)
         displace(simulation, (back - found) * unit)
         found = back
-    return found
+    return Start(found, steepest)
 
 
 def bond_utilisation(simulation: ParticleSimulation, *, look: bool = False) -> Floats:
