@@ -39,7 +39,10 @@ RATIOS = (2.0, 3.0, 4.5, 7.0)
 STIFFNESS = {2: (2.0, 4.5), 3: (2.5, 10.0)}
 """kn/ks: Poisson's ratios of most rocks lie between."""
 
-ELASTIC = {2: (1.0, 1.5, 2.0, 3.0, 4.5, 7.0, 12.0), 3: (1.0, 2.5, 5.0, 10.0, 20.0)}
+ELASTIC = {
+    2: (1.0, 1.3, 1.7, 2.2, 2.8, 3.6, 4.8, 6.5, 9.0, 12.0),
+    3: (1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 16.0),
+}
 """kn/ks of the points where only the elastic constants are solved for, on all seeds."""
 
 ACROSS = {2: 24.0, 3: 10.0}
