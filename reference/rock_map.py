@@ -39,6 +39,14 @@ RATIOS = (2.0, 3.0, 4.5, 7.0)
 STIFFNESS = {2: (2.0, 4.5), 3: (2.5, 10.0)}
 """kn/ks: Poisson's ratios of most rocks lie between."""
 
+CORNERS = {
+    (3, "touching"): (
+        *[((i, RATIOS[i]), (5, 2.2)) for i in (1, 2, 3)],
+        *[((4, 10.0), (k, friction)) for k, friction in ((1, 0.3), (2, 0.6))],
+    )
+}
+"""Further points (C/Tb, tan(phi_b)), each with its number for the seeds: spheres need more of both for hard rock."""
+
 ELASTIC = {
     2: (1.0, 1.3, 1.7, 2.2, 2.8, 3.6, 4.8, 6.5, 9.0, 12.0),
     3: (1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 16.0),
@@ -73,7 +81,10 @@ def design(dimension: int) -> list[tuple[str, dict[str, float], int]]:
     """Texture, micro-parameters and seed of every point, in an order in which an interrupted map is of use."""
     points = []
     for texture, fixed in TEXTURES.items():
-        grid = itertools.product(STIFFNESS[dimension], enumerate(RATIOS), enumerate(FRICTIONS[texture]))
+        grid = list(itertools.product(STIFFNESS[dimension], enumerate(RATIOS), enumerate(FRICTIONS[texture])))
+        grid += [
+            (s, *corner) for s in STIFFNESS[dimension] for corner in CORNERS.get((dimension, texture), ())
+        ]
         for stiffness, (i, ratio), (k, friction) in grid:
             varied = {"stiffness_ratio": stiffness, "shear_over_tension": ratio, "bond_friction": friction}
             points.append((texture, {**varied, **fixed}, SEEDS[(3 * k + i) % len(SEEDS)]))

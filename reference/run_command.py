@@ -18,6 +18,7 @@ from .problems import (
     lattice,
     oscillator,
     published_slopes,
+    rock_calibration,
     timestep,
     trubal,
 )
@@ -36,6 +37,7 @@ PROBLEMS: dict[str, ModuleType] = {
     "laboratory-elastic": laboratory_elastic,
     "lattice": lattice,
     "oscillator": oscillator,
+    "rocks": rock_calibration,
     "slopes": published_slopes,
     "timestep": timestep,
     "trubal": trubal,
