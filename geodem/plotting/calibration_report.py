@@ -16,9 +16,9 @@ from geodem.laboratory.summary import Property, Spread, group_tests, material_pr
 from geodem.plotting import laboratory_sections as parts
 from geodem.plotting import page, sections
 from geodem.plotting.laboratory_report import HELD_BACK, write_figures
+from geodem.plotting.laboratory_wording import rounded
 from geodem.plotting.page import text
 from geodem.plotting.theme import CIRCLE, FAINT, INK, SLIP, SOFT, new_figure, png, quiet_axes, style, svg
-from geodem.units import show
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -150,13 +150,13 @@ def _answer(result: Mapping[str, Any], found: Calibration, fresh: Sequence[Prope
     for name in OF_TARGETS:
         title, quantity, key = TITLES[name]
         entry = result["properties"][name]
-        low, high = (show(parts.rounded(entry[end]), quantity) for end in ("low", "high"))
+        low, high = (rounded(entry[end], quantity) for end in ("low", "high"))
         own = by_key.get(key)
         rows.append(
             (
                 title,
-                show(parts.rounded(entry["target"]), quantity),
-                show(parts.rounded(entry["achieved"]), quantity),
+                rounded(entry["target"], quantity),
+                rounded(entry["achieved"], quantity),
                 f"{low} to {high}",
                 f"{entry['difference_percent']:+.1f} %",
                 "-" if own is None else parts.shown(own.spread, quantity),
@@ -200,8 +200,8 @@ def _rounds(found: Calibration, pictures: Mapping[str, sections.Picture]) -> str
     rows = [
         (
             str(number),
-            show(parts.rounded(each.fit.effective_modulus), "stress"),
-            show(parts.rounded(each.fit.tensile_strength), "stress"),
+            rounded(each.fit.effective_modulus, "stress"),
+            rounded(each.fit.tensile_strength, "stress"),
             *(f"{each.fit.micro[name]:.4g}" for name in micro),
         )
         for number, each in enumerate(found.rounds, start=1)

@@ -11,6 +11,7 @@ from geodem.laboratory.orders import FinishedTest
 from geodem.laboratory.summary import Property, group_tests, material_properties, summarise_envelope
 from geodem.plotting import laboratory_sections as parts
 from geodem.plotting import page, sections
+from geodem.plotting.laboratory_wording import rounded
 from geodem.plotting.page import text
 from geodem.units import show
 
@@ -82,7 +83,7 @@ def headline(properties: Sequence[Property]) -> tuple[str, str, str]:
     spread = chosen.spread
     specimens = "1 specimen" if spread.specimens == 1 else f"{spread.specimens} specimens"
     how = f"{parts.scatter(spread, chosen.quantity).strip()} over {specimens}".strip()
-    return chosen.name, show(parts.rounded(spread.mean), chosen.quantity), how
+    return chosen.name, rounded(spread.mean, chosen.quantity), how
 
 
 def _answer(result: Mapping[str, Any], properties: Sequence[Property]) -> str:
@@ -117,7 +118,7 @@ def _material(result: Mapping[str, Any]) -> str:
     if material["variation"]:
         scatter = f"{material['distribution']}, coefficient of variation {material['variation']:g}"
         rows.append(("scatter of the bonds' strengths", scatter))
-    size = [show(parts.rounded(value), "length") for value in specimen["size_m"]]
+    size = [rounded(value, "length") for value in specimen["size_m"]]
     cut = [
         ("packing", specimen["packing"]),
         ("shape", specimen["shape"]),
@@ -138,5 +139,5 @@ def _parameter(key: str, value: float | None) -> str:
     if value is None:
         return "infinite"
     if key.endswith(("modulus", "_strength", "cohesion")):
-        return show(parts.rounded(value, 6), "stress")
+        return rounded(value, "stress", 6)
     return f"{value:.6g}"

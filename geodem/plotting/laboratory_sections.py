@@ -10,6 +10,7 @@ from geodem.laboratory.summary import EnvelopeSummary, Property, Spread, TestGro
 from geodem.plotting import laboratory_charts as charts
 from geodem.plotting import page
 from geodem.plotting.laboratory_specimen import can_draw, specimen_chart
+from geodem.plotting.laboratory_wording import rounded
 from geodem.plotting.page import text
 from geodem.plotting.sections import Picture
 from geodem.plotting.theme import png, style, svg
@@ -63,19 +64,14 @@ def title_of(group: TestGroup) -> str:
 
 def shown(spread: Spread, quantity: str) -> str:
     """A mean with its standard deviation and unit."""
-    return show(rounded(spread.mean), quantity) + scatter(spread, quantity)
+    return rounded(spread.mean, quantity) + scatter(spread, quantity)
 
 
 def scatter(spread: Spread, quantity: str) -> str:
     """The standard deviation as it stands behind a mean; nothing for one specimen."""
     if not math.isfinite(spread.deviation):
         return ""
-    return f" ± {show(rounded(spread.deviation, 2), quantity)}"
-
-
-def rounded(value: float, digits: int = 3) -> float:
-    """To a number of significant digits."""
-    return float(f"{value:.{digits}g}") if math.isfinite(value) else value
+    return f" ± {rounded(spread.deviation, quantity, 2)}"
 
 
 def properties_table(properties: Iterable[Property]) -> str:
@@ -83,7 +79,7 @@ def properties_table(properties: Iterable[Property]) -> str:
     rows = [
         (
             entry.name,
-            show(rounded(entry.spread.mean), entry.quantity),
+            rounded(entry.spread.mean, entry.quantity),
             scatter(entry.spread, entry.quantity).removeprefix(" ± ") or "-",
             _percent(entry.spread),
             entry.spread.specimens,
@@ -145,7 +141,7 @@ def envelope_section(envelope: EnvelopeSummary | None, pictures: Mapping[str, Pi
     whole = envelope.whole
     said = (
         f"The straight line through all strengths: friction angle {math.degrees(whole.friction_angle):.1f} deg, "
-        f"cohesion {show(rounded(whole.cohesion), 'stress')}; the strengths lie {100.0 * whole.misfit:.1f} % from it "
+        f"cohesion {rounded(whole.cohesion, 'stress')}; the strengths lie {100.0 * whole.misfit:.1f} % from it "
         "in the root mean square."
     )
     if math.isfinite(whole.m_i):

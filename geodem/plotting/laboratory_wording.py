@@ -19,6 +19,8 @@ def quantity_of(key: str) -> str:
 
 def rounded(value: float, quantity: str, digits: int = 3) -> str:
     """A value with its unit, to so many significant digits."""
+    if quantity == "angle":
+        return f"{float(f'{math.degrees(value):.{digits}g}'):g} deg"
     return show(float(f"{value:.{digits}g}"), quantity)
 
 
