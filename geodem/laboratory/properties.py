@@ -76,15 +76,28 @@ def measure_properties(
     """
     known = expected or {}
     young, poisson = Rig(specimen, material).elastic_constants()
-    common = {"pace": pace, "time_share": time_share, "fall": FALL}
-    pulled = pull(specimen, material, expected_strain=known.get("tension"), **common)
-    pressed = compress(specimen, material, expected_strain=known.get("compression"), **common)
+
+    def pressed_at(sides: float, strain: float | None) -> TestRecord:
+        return compress(
+            specimen,
+            material,
+            confinement=sides,
+            expected_strain=strain,
+            pace=pace,
+            time_share=time_share,
+            fall=FALL,
+        )
+
+    pulled = pull(
+        specimen, material, expected_strain=known.get("tension"), pace=pace, time_share=time_share, fall=FALL
+    )
+    pressed = pressed_at(0.0, known.get("compression"))
     sides = confinement if confinement is not None else CONFINED * pressed.strength
     guess = known.get("confined")
     if guess is None and math.isfinite(pressed.numbers["peak_strain"]):
         # it is farther the more friction there is: with 45 degrees about three times
         guess = 3.0 * pressed.numbers["peak_strain"]
-    confined = compress(specimen, material, confinement=sides, expected_strain=guess, **common)
+    confined = pressed_at(sides, guess)
     line = fit_envelope([0.0, sides], [pressed.strength, confined.strength])
     return Properties(
         young, poisson, pressed.strength, pulled.strength, line.friction_angle, (pulled, pressed, confined)

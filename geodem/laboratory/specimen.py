@@ -153,10 +153,10 @@ def make_specimen(
     disc = shape == "disc"
     if height is None:
         height = (width if dimension == 2 else 0.5 * width) if disc else 2.0 * width
-    for name, value in (("width", width), ("height", height)):
-        if not (math.isfinite(value) and value > 0.0):
+    for name, length in (("width", width), ("height", height)):
+        if not (math.isfinite(length) and length > 0.0):
             raise InputError(
-                f"specimen, {name}", "this is no length", "Give metres, more than 0", value=value
+                f"specimen, {name}", "this is no length", "Give metres, more than 0", value=length
             )
     if not (math.isfinite(across) and across >= COARSEST):
         raise InputError(
@@ -164,6 +164,7 @@ def make_specimen(
             f"Give at least {COARSEST}, better {COARSE} or more, where strength hardly depends on it any more",
             value=across,
         )  # fmt: skip
+    size: tuple[float, ...]
     if dimension == 2:
         size = (width, width if disc else height)
     else:

@@ -137,6 +137,8 @@ def widest(away: Floats, radii: Floats, radius: float) -> tuple[Floats, float]:
         rows = np.column_stack([towards / distance[:, None], np.ones(len(radii))])
         bounds = [(-step, step)] * d + [(0.0, None)]
         found = linprog(np.r_[np.zeros(d), -1.0], A_ub=rows, b_ub=distance - radii, bounds=bounds)
+        if found.x is None:
+            break
         trial = at + found.x[:d]
         room = float((np.linalg.norm(away - trial, axis=1) - radii).min())
         if room > best:
