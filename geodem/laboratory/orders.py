@@ -73,6 +73,11 @@ class TestOrder:
         stress = f"-{self.stress / 1e6:.6g}MPa" if self.stress else ""
         return f"{self.kind}{stress}-{self.seed}"
 
+    @property
+    def file(self) -> str:
+        """Where it is stored."""
+        return f"{self.name}.h5"
+
     def identity(self) -> str:
         """Hash of all that decides the result: the order, geodem's sources and the libraries' versions."""
         text = json.dumps(asdict(self), sort_keys=True, default=float)
@@ -172,6 +177,16 @@ def carry_out(order: TestOrder, watch: Watch | None = None) -> FinishedTest:
     specimen = specimen_of(order)
     record = KINDS[order.kind].make(specimen, order, watch)
     return FinishedTest(order, record, specimen.radii, specimen.size, compile_seconds() - before)
+
+
+def perform(order: TestOrder, say: Callable[[tuple[float, float]], None]) -> FinishedTest:
+    """`carry_out` for a process of its own: strain and stress are told together, and errors name the test."""
+    try:
+        return carry_out(order, lambda strain, stress: say((strain, stress)))
+    except InputError as error:
+        raise InputError(
+            f"{order.name}, {error.place}", error.problem, error.remedy, value=error.value
+        ) from error
 
 
 def specimen_of(order: TestOrder) -> Specimen:
