@@ -15,7 +15,7 @@ from geodem.laboratory.orders import FinishedTest
 from geodem.laboratory.summary import Property, Spread, group_tests, material_properties, summarise_envelope
 from geodem.plotting import laboratory_sections as parts
 from geodem.plotting import page, sections
-from geodem.plotting.laboratory_report import HELD_BACK, write_figures
+from geodem.plotting.laboratory_report import run_section, write_figures
 from geodem.plotting.laboratory_wording import rounded
 from geodem.plotting.page import text
 from geodem.plotting.theme import CIRCLE, FAINT, INK, SLIP, SOFT, new_figure, png, quiet_axes, style, svg
@@ -82,7 +82,7 @@ def write_calibration_report(
         ("envelope", "Envelope", parts.envelope_section(envelope, pictures)),
         ("specimens", "Specimens", parts.specimens_section(groups, pictures)),
         ("material", "Material file", page.section("material", "Material file", page.toml(material_text))),
-        ("run", "Run", sections.run({k: v for k, v in result.items() if k not in HELD_BACK | OWN})),
+        ("run", "Run", run_section(result)),
         ("case", "Case file", page.section("case", "Case file", page.toml(case_text)) if case_text else ""),
     ]
     present = [(anchor, name, body) for anchor, name, body in content if body]
@@ -93,10 +93,6 @@ def write_calibration_report(
     )
     write_figures(path.parent / "figures", pictures)
     write_whole(path, html)
-
-
-OWN = frozenset({"targets", "rounds", "missed", "fresh", "reached", "narrow", "material_file"})
-"""What the report tells elsewhere than among its run's numbers."""
 
 
 def rounds_chart(found: Calibration, fresh: Sequence[Property]) -> Figure:

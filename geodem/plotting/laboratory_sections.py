@@ -10,7 +10,7 @@ from geodem.laboratory.summary import EnvelopeSummary, Property, Spread, TestGro
 from geodem.plotting import laboratory_charts as charts
 from geodem.plotting import page
 from geodem.plotting.laboratory_specimen import can_draw, specimen_chart
-from geodem.plotting.laboratory_wording import rounded
+from geodem.plotting.laboratory_wording import deviation_shown, rounded, spread
 from geodem.plotting.page import text
 from geodem.plotting.sections import Picture
 from geodem.plotting.theme import png, style, svg
@@ -62,16 +62,9 @@ def title_of(group: TestGroup) -> str:
     return f"{words}{at}{called}"
 
 
-def shown(spread: Spread, quantity: str) -> str:
+def shown(found: Spread, quantity: str) -> str:
     """A mean with its standard deviation and unit."""
-    return rounded(spread.mean, quantity) + scatter(spread, quantity)
-
-
-def scatter(spread: Spread, quantity: str) -> str:
-    """The standard deviation as it stands behind a mean; nothing for one specimen."""
-    if not math.isfinite(spread.deviation):
-        return ""
-    return f" ± {rounded(spread.deviation, quantity, 2)}"
+    return spread(found.mean, found.deviation, quantity)
 
 
 def properties_table(properties: Iterable[Property]) -> str:
@@ -80,7 +73,9 @@ def properties_table(properties: Iterable[Property]) -> str:
         (
             entry.name,
             rounded(entry.spread.mean, entry.quantity),
-            scatter(entry.spread, entry.quantity).removeprefix(" ± ") or "-",
+            "-"
+            if math.isnan(entry.spread.deviation)
+            else deviation_shown(entry.spread.mean, entry.spread.deviation, entry.quantity),
             _percent(entry.spread),
             entry.spread.specimens,
             entry.source,

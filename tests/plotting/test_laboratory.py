@@ -15,7 +15,7 @@ from geodem.laboratory.summary import Spread, group_tests, material_properties, 
 from geodem.plotting import laboratory_charts as charts
 from geodem.plotting import laboratory_sections as parts
 from geodem.plotting.laboratory_specimen import specimen_chart
-from geodem.plotting.laboratory_wording import named, property_lines, quantity_of
+from geodem.plotting.laboratory_wording import named, property_lines, quantity_of, spread
 from geodem.plotting.theme import style
 
 ROCK = BondedMaterial.rock(
@@ -157,3 +157,4 @@ def test_words():
         }
     )  # fmt: skip
     assert lines == ["Friction angle 45 deg ± 1.2 deg (3 specimens)"]
+    assert spread(8.94e6, 820e3, "stress") == "8.94 MPa ± 0.82 MPa"
