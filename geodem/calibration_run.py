@@ -352,7 +352,7 @@ def assemble(case: CalibrationCase, found: Calibration, tests: Sequence[Finished
     ]
     for test in tests:
         warnings += [f"{test.order.name}: {text}" for text in test.record.warnings]
-    same_bits = [{k: v for k, v in outcome.items() if k != "seconds"} for outcome in outcomes]
+    same_bits = [{k: v for k, v in outcome.items() if "seconds" not in k} for outcome in outcomes]
     cracks = {mode: sum(getattr(t.record.cracks, mode) for t in tests) for mode in ("tension", "shear")}
     return {
         "status": "done",
@@ -368,7 +368,7 @@ def assemble(case: CalibrationCase, found: Calibration, tests: Sequence[Finished
         "specimens_tested": found.tests,
         "steps": sum(int(outcome["steps"]) for outcome in outcomes) + sum(test.record.steps for test in tests),
         "compile_time_s": round(
-            sum(test.compile_seconds for test in tests) + sum(o.get("compile_seconds", 0.0) for o in outcomes), 3
+            sum(test.compile_seconds for test in tests) + sum(outcome["compile_seconds"] for outcome in outcomes), 3
         ),
         "warnings": warnings,
         "digest": checksum(

@@ -90,13 +90,7 @@ def check_case(path: Path, picture: Path | None, console: Console) -> dict[str, 
             f"Expected time: {method} {_time(seconds)} (from {_time(seconds / 3)} to {_time(seconds * 3)}), "
             "compiling not counted"
         )
-    taken = [text for text in case.notices if " is not given: " in text]
-    noted = [*(text for text in case.notices if text not in taken), *analysis.particles.messages]
-    for head, texts in (("Taken by default", taken), ("Noted", noted)):
-        if texts:
-            console.print(f"{head}:")
-        for text in texts:
-            console.print(f"  [dim]{_escaped(text)}[/]")
+    _print_notices(case.notices, analysis.particles.messages, console)
     for text in (*case.questions, *dilation_warnings(case)):
         console.print(f"[yellow]note[/] {_escaped(text)}")
     target = picture or Path(f"{default_folder(path).name.removesuffix('-result')}-check.png")
@@ -129,10 +123,10 @@ def _check_tests(
     found = estimate(orders)
     specimen, processes = found.specimen, workers_allowed(None)
     console.print(f"[bold]{_escaped(case.title)}[/]")
-    size = " x ".join(show_rounded(value, "length") for value in specimen.size)
+    size = " x ".join(f"{1e3 * value:.4g} mm" for value in specimen.size)
     console.print(
         f"Specimen: {size}, {specimen.particles:,} particles ({specimen.packing}, seed {case.seed}), "
-        f"{specimen.across:.3g} across, {show_rounded(specimen.diameter, 'length')} in the mean, "
+        f"{specimen.across:.3g} across, {1e3 * specimen.diameter:.3g} mm in the mean, "
         f"{len(found.bonds):,} bonds, {2.0 * len(found.bonds) / specimen.particles:.2f} of a particle"
     )
     console.print(
@@ -148,8 +142,7 @@ def _check_tests(
         f"Expected time: {_time(seconds)} ({_time(seconds / 2)} to {_time(seconds * 2)}) with {processes} tests at "
         f"a time{memory}, compiling not counted"
     )
-    for text in case.notices:
-        console.print(f"  [dim]{_escaped(text)}[/]")
+    _print_notices(case.notices, (), console)
     for text in case.questions:
         console.print(f"[yellow]note[/] {_escaped(text)}")
     target = picture or Path(f"{default_folder(path).name.removesuffix('-result')}-check.png")
@@ -163,6 +156,17 @@ def _check_tests(
         "expected_s": seconds,
         "tests": len(orders),
     }
+
+
+def _print_notices(notices: Sequence[str], more: Sequence[str], console: Console) -> None:
+    """Defaults under one heading, what else was noted under another."""
+    taken = [text for text in notices if " is not given: " in text]
+    noted = [*(text for text in notices if text not in taken), *more]
+    for head, texts in (("Taken by default", taken), ("Noted", noted)):
+        if texts:
+            console.print(f"{head}:")
+        for text in texts:
+            console.print(f"  [dim]{_escaped(text)}[/]")
 
 
 def _print_materials(analysis: Analysis, rows: Sequence[Mapping[str, str]], console: Console) -> None:

@@ -274,6 +274,8 @@ def _interruptible(folder: Path) -> Iterator[Callable[[], bool]]:
 @contextmanager
 def _progress() -> Iterator[Callable[[Any], None]]:
     """A live line; plain lines, one a trial or a test, where there is no terminal."""
+    from .plotting.wording import closing
+
     live = console.status("starting") if console.is_terminal else None
     shown: dict[str, Any] = {"trial": None, "stage": "", "time": 0.0}
 
@@ -293,7 +295,7 @@ def _progress() -> Iterator[Callable[[Any], None]]:
             if stage != shown["stage"]:
                 console.print(stage)
             if progress is not None and progress.trials and (stage, progress.trials) != shown["trial"]:
-                console.print(f"  {_closing(update)}")
+                console.print(f"  {closing(update.progress, update.seconds_left)}")
                 shown["trial"] = (stage, progress.trials)
             shown["stage"] = stage
         elif progress is None:
@@ -302,7 +304,7 @@ def _progress() -> Iterator[Callable[[Any], None]]:
             shown["time"] = time.perf_counter()
             # two lines, so that nothing is cut off at 80 columns
             live.update(
-                f"{update.text}: {_closing(update)}\n  trying {progress.factor:.4g}: step {progress.steps:,}, "
+                f"{update.text}: {closing(progress, update.seconds_left)}\n  trying {progress.factor:.4g}: step {progress.steps:,}, "
                 f"unbalanced {progress.unbalanced_ratio:.0e}, moved {progress.displacement_settlements:.2f} settlements"
             )
 
@@ -315,10 +317,11 @@ def _progress() -> Iterator[Callable[[Any], None]]:
 
 def _watch_tests(overview: Overview, live: Any) -> None:
     from .plotting.laboratory_wording import overview_lines
+    from .plotting.wording import duration
 
     head, lines = overview_lines(overview)
     if not math.isnan(overview.seconds_left) and overview.finished < overview.total:
-        head += f", about {_duration(overview.seconds_left)} left"
+        head += f", about {duration(overview.seconds_left)} left"
     if live is not None:
         live.update("\n  ".join([head, *lines]))
     elif overview.last is not None:
@@ -326,10 +329,10 @@ def _watch_tests(overview: Overview, live: Any) -> None:
 
 
 def _watch_calibration(progress: Progress, live: Any, shown: dict[str, Any]) -> None:
+    from .plotting.wording import duration
+
     left = (
-        ""
-        if math.isnan(progress.seconds_left)
-        else f", at most about {_duration(progress.seconds_left)} left"
+        "" if math.isnan(progress.seconds_left) else f", at most about {duration(progress.seconds_left)} left"
     )
     line = f"{progress.text}{left}"
     if live is not None:
@@ -339,35 +342,10 @@ def _watch_calibration(progress: Progress, live: Any, shown: dict[str, Any]) -> 
     shown["stage"] = line
 
 
-def _closing(update: Update) -> str:
-    """How far the bracket has closed, and the time left."""
-    assert update.progress is not None
-    stable, failed = update.progress.bracket.stable, update.progress.bracket.failed
-    if stable is not None and failed is not None:
-        where = f"between {stable:.4f} and {failed:.4f}"
-    elif stable is not None:
-        where = f"above {stable:.4f}"
-    else:
-        where = "not bracketed" if failed is None else f"below {failed:.4f}"
-    count = update.progress.trials
-    if count == 0:
-        return "the first trial"
-    trials = "1 trial" if count == 1 else f"{count} trials"
-    left = "" if math.isnan(update.seconds_left) else f", about {_duration(update.seconds_left)} left"
-    return f"{where} after {trials}{left}"
-
-
-def _duration(seconds: float) -> str:
-    if seconds < 1.0:
-        return "1 s"
-    if seconds < 90.0:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60.0:.1f} min"
-
-
 def _tell(result: dict[str, Any], folder: Path) -> None:
     """The answer, in the words of the report."""
     from .plotting import laboratory_wording as tests
+    from .plotting.wording import duration
 
     if result["workflow"] == "laboratory":
         for line in tests.property_lines(result["properties"]):
@@ -380,9 +358,11 @@ def _tell(result: dict[str, Any], folder: Path) -> None:
     for warning in result["warnings"]:
         console.print(f"[yellow]note[/] {_escaped(warning)}")
     time_line = (
-        f"{result['particles']:,} particles, {result['steps']:,} steps, {_duration(result['wall_time_s'])}"
+        f"{result['particles']:,} particles, {result['steps']:,} steps, {duration(result['wall_time_s'])}"
     )
-    console.print(f"{time_line}, of which {result['compile_time_s']:.1f} s compiling")
+    # several processes compile at a time
+    of = "of which " if result["workflow"] == "slope" else "in all processes "
+    console.print(f"{time_line}, {of}{result['compile_time_s']:.1f} s compiling")
     if "material_file" in result:
         console.print(f"Material: {_escaped(str(folder / result['material_file']))}")
     console.print(f"Report: {_escaped(str(folder / 'report.html'))}")

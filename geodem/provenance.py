@@ -23,6 +23,18 @@ TELLING = (
     "result.py",
     "workflow.py",
     "__main__.py",
+    "laboratory_run.py",
+    "calibration_run.py",
+    "io/run_folder.py",
+    "laboratory/entries.py",
+    "laboratory/estimate.py",
+    "laboratory/files.py",
+    "laboratory/processes.py",
+    "laboratory/summary.py",
+    "laboratory/worker.py",
+    "laboratory/workers.py",
+    "calibration/entries.py",
+    "calibration/outcomes.py",
 )
 """Parts of geodem that tell results and decide none."""
 

@@ -45,6 +45,13 @@ STAGES = (
 )
 
 
+class Answer:
+    """What a command printed and how it ended."""
+
+    def __init__(self, status: int, out: str, err: str) -> None:
+        self.status, self.out, self.err = status, out, err
+
+
 def write_case(folder: Path, text: str = SLOPE) -> Path:
     """A folder that holds a case."""
     folder.mkdir(parents=True, exist_ok=True)

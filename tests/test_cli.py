@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 from PIL import Image, ImageDraw
 
-from geodem import cli
-from tests.small_cases import SLOPE, environment, geodem, result_of, write_case
+from tests.small_cases import SLOPE, Answer, environment, geodem, result_of, write_case
 
 REGIONS = SLOPE[SLOPE.index("regions") : SLOPE.index("\n\n[boundary]")]
 OUTLINE = "[[0,0],[40,0],[40,15],[25,15],[10,5],[0,5]]"
@@ -21,31 +20,6 @@ image = "section.png"
 scale = "0.5 m/px"
 legend = {"#c8a464" = "soil"}
 background = ["#ffffff"]"""
-
-
-class Answer:
-    """What a command printed and how it ended."""
-
-    def __init__(self, status: int, out: str, err: str) -> None:
-        self.status, self.out, self.err = status, out, err
-
-
-@pytest.fixture
-def call(monkeypatch, capsys):
-    """Run a command in this process, as the program `geodem` does."""
-
-    def run(*arguments: object) -> Answer:
-        monkeypatch.setattr(sys, "argv", ["geodem", *map(str, arguments)])
-        capsys.readouterr()
-        status = 0
-        try:
-            cli.main()
-        except SystemExit as end:
-            status = int(end.code or 0)
-        printed = capsys.readouterr()
-        return Answer(status, printed.out, printed.err)
-
-    return run
 
 
 def changed(old: str, new: str) -> str:

@@ -255,15 +255,15 @@ def test_a_finished_test_is_found_by_all_that_decides_it(place, out, monkeypatch
 def test_what_goes_wrong_in_a_process_comes_out_of_it(place):
     first = orders(place)[0]
     with Workers(1) as workers:
-        with pytest.raises(InputError, match=r"uniaxial-compression, specimen, across = 5\.0.*too coarse"):
+        with pytest.raises(InputError, match=r"uniaxial-compression-3, specimen, across = 5\.0.*too coarse"):
             workers.run([replace(first, specimen={**first.specimen, "across": 5.0})])
-        with pytest.raises(RuntimeError, match="KeyError"):
-            workers.run([replace(first, specimen={**first.specimen, "packing": "random", "height": "high"})])
+        with pytest.raises(RuntimeError, match=r"(?s)Traceback.*unexpected keyword argument 'colour'"):
+            workers.run([replace(first, specimen={**first.specimen, "colour": "red"})])
 
 
 def test_a_process_that_was_ended_is_told(place):
     def end(overview: Overview) -> None:
-        for hand in workers._hands:
+        for hand in workers.processes._hands:
             hand.process.kill()
 
     workers = Workers(1, watch=end)

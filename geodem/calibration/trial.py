@@ -3,22 +3,16 @@
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from multiprocessing import get_context
 from typing import Any
 
-from ..errors import StoppedError
+from .._jit import compile_seconds
 from ..laboratory.material import BondedMaterial
 from ..laboratory.pace import PACE
+from ..laboratory.processes import Processes, Task
 from ..laboratory.properties import measure_properties
 from ..laboratory.specimen import SIZE_RATIO, make_specimen
-
-WAIT = 0.5
-"""Seconds between looks whether to stop."""
 
 
 @dataclass(frozen=True)
@@ -77,12 +71,13 @@ class Trial:
 Outcome = dict[str, Any]
 """What a trial gave: young_modulus [Pa], poisson_ratio, uniaxial_compressive_strength and tensile_strength [Pa],
 friction_angle [rad], and of the compression peak_strain, crack_initiation_stress, crack_damage_stress [Pa]; particles,
-steps, seconds; warnings."""
+steps; seconds, and those that went into compiling kernels; warnings."""
 
 
 def run_trial(trial: Trial) -> Outcome:
     """All tests of one trial."""
     o = trial.options
+    before = compile_seconds()
     specimen = make_specimen(
         o.dimension, width=o.width, across=o.across, size_ratio=o.size_ratio, shape=o.shape, seed=trial.seed
     )
@@ -90,6 +85,7 @@ def run_trial(trial: Trial) -> Outcome:
         specimen, trial.material, expected=dict(trial.expected), confinement=trial.confinement, pace=o.pace
     )
     pressed = found.records[1]
+    compiled = compile_seconds() - before
     return {
         "seed": trial.seed,
         "young_modulus": found.young_modulus,
@@ -105,7 +101,8 @@ def run_trial(trial: Trial) -> Outcome:
         },
         "particles": specimen.particles,
         "steps": sum(record.steps for record in found.records),
-        "seconds": found.seconds,
+        "seconds": found.seconds - compiled,
+        "compile_seconds": compiled,
         "warnings": [f"{record.kind}: {text}" for record in found.records for text in record.warnings],
     }
 
@@ -137,39 +134,16 @@ def run_trials(
         `stop_asked` said so; what had finished is in `done`.
     """
     waiting = [k for k, trial in enumerate(trials) if trial.key not in done]
-    if waiting:
-        with _workers(min(workers, len(waiting))) as pool:
-            running = {pool.submit(run_trial, trials[k]): k for k in waiting}
-            left = set(running)
-            while left:
-                ready, left = wait(left, timeout=WAIT, return_when=FIRST_COMPLETED)
-                for future in ready:
-                    k = running[future]
-                    done[trials[k].key] = future.result()
-                    if finished is not None:
-                        finished(k, done[trials[k].key])
-                if left and stop_asked is not None and stop_asked():
-                    pool.shutdown(wait=False, cancel_futures=True)
-                    raise StoppedError("stopped between two tests")
+    with Processes(workers) as processes:
+        for what, number, outcome in processes.events(
+            [Task(run_trial, (trials[k],)) for k in waiting], stop_asked
+        ):
+            if what == "done":
+                k = waiting[number]
+                done[trials[k].key] = outcome
+                if finished is not None:
+                    finished(k, outcome)
     return [done[trial.key] for trial in trials]
-
-
-@contextmanager
-def _workers(count: int) -> Iterator[ProcessPoolExecutor]:
-    """Processes whose kernels have one thread: specimens side by side keep all cores busier than one on all."""
-    names = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS")
-    before = {name: os.environ.get(name) for name in names}
-    os.environ.update(dict.fromkeys(names, "1"))
-    pool = ProcessPoolExecutor(count, mp_context=get_context("spawn"))
-    try:
-        yield pool
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
 
 
 def peaks_of(

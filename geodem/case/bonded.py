@@ -101,7 +101,7 @@ def read_material(table: Table, *, name: str) -> BondedMaterial | None:
     if "strength_distribution" in table or variation:
         distribution = table.choice("strength_distribution", DISTRIBUTIONS, default=distribution)
     bond = _read_law(table, BOND_LAWS[law], {}) if law is not None else None
-    contact_law, contact = _read_contact(table, bond or {})
+    contact_law, contact = _read_contact(table, bond)
     if bond is not None:
         _doubt_bond(table, bond)
     if len(findings.errors) > before:
@@ -126,7 +126,7 @@ def read_material(table: Table, *, name: str) -> BondedMaterial | None:
     )
 
 
-def _read_contact(table: Table, bond: Mapping[str, float]) -> tuple[str, dict[str, float] | None]:
+def _read_contact(table: Table, bond: Mapping[str, float] | None) -> tuple[str, dict[str, float] | None]:
     """The law of contacts: what it shares with the bond is the bond's where it is left out."""
     usual = BondedMaterial.contact_law
     content = table.content.get("contact", {})
@@ -142,7 +142,9 @@ def _read_contact(table: Table, bond: Mapping[str, float]) -> tuple[str, dict[st
     if law is None:
         return usual, None
     fields = CONTACT_LAWS[law].PARAMETERS._fields
-    taken = {key: value for key, value in bond.items() if key in fields and "friction" not in key}
+    # where the bond is wrong, what would be taken from it is not missing as well
+    shared = bond if bond is not None else dict.fromkeys(FIELDS, math.nan)
+    taken = {key: value for key, value in shared.items() if key in fields and "friction" not in key}
     if "friction_coefficient" in fields:
         taken["friction_coefficient"] = _USUAL_FRICTION
     return law, _read_law(inner, CONTACT_LAWS[law], taken)
@@ -162,6 +164,8 @@ def _read_law(table: Table, law: ModuleType, usual: Mapping[str, float]) -> dict
         defaults = {**law.PARAMETERS._field_defaults, **usual}
         if name in defaults:
             values[name] = defaults[name]
+            if math.isnan(defaults[name]):
+                continue
             why = "as the bond's" if name in usual and name != "friction_coefficient" else ""
             findings.default(table.at(name), _written(name, defaults[name]), why=why)
         else:
@@ -169,6 +173,8 @@ def _read_law(table: Table, law: ModuleType, usual: Mapping[str, float]) -> dict
     if len(findings.errors) > before:
         return None
     for fault in law.check(law.PARAMETERS(**values)):
+        if math.isnan(values[fault.field]):
+            continue
         table.error(fault.field, fault.problem, f"{fault.remedy}.")
     return values
 
@@ -192,7 +198,7 @@ def _doubt_bond(table: Table, bond: Mapping[str, float]) -> None:
     if modulus is None:
         return
     if not _MODULUS[0] <= modulus <= _MODULUS[1]:
-        remedy = f"Bonds of rocks have 1 to 200 GPa, near Young's modulus: {units.show(modulus, 'stress')} is meant?"
+        remedy = "Bonds have about the rock's Young's modulus, 1 to 200 GPa: check the unit."
         problem = "no rock follows from so soft a bond" if modulus < _MODULUS[0] else "no rock is so stiff"
         value = table.content["effective_modulus"]
         table.findings.implausible(table.at("effective_modulus"), problem, remedy, value=value)

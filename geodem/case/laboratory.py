@@ -74,6 +74,8 @@ class LaboratoryCase:
     tests : tuple of TestOptions
     material_file : pathlib.Path or None
         Where the material was read from.
+    allow_implausible : tuple of str
+        Keys whose value is meant although it looks mistaken.
     notices, questions : tuple of str
         Defaults that were taken; what looks odd and was let pass.
     text : str
@@ -87,10 +89,18 @@ class LaboratoryCase:
     material: BondedMaterial
     tests: tuple[TestOptions, ...]
     material_file: Path | None = None
+    allow_implausible: tuple[str, ...] = field(default=())
     notices: tuple[str, ...] = field(default=())
     questions: tuple[str, ...] = field(default=())
     text: str = ""
     workflow: str = "laboratory"
+
+    def as_run_text(self) -> str:
+        """The case as it is run, as TOML: every default and the material written out."""
+        # the writer needs the classes of this file
+        from geodem.case.laboratory_writing import laboratory_text
+
+        return laboratory_text(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +113,7 @@ class CalibrationCase:
     seed : int
     specimen : SpecimenOptions
     targets : RockTargets
-    notices, questions : tuple of str
+    allow_implausible, notices, questions : tuple of str
     text : str
     """
 
@@ -111,7 +121,15 @@ class CalibrationCase:
     seed: int
     specimen: SpecimenOptions
     targets: RockTargets
+    allow_implausible: tuple[str, ...] = field(default=())
     notices: tuple[str, ...] = field(default=())
     questions: tuple[str, ...] = field(default=())
     text: str = ""
     workflow: str = "calibration"
+
+    def as_run_text(self) -> str:
+        """The case as it is run, as TOML: every default written out."""
+        # the writer needs the classes of this file
+        from geodem.case.laboratory_writing import calibration_text
+
+        return calibration_text(self)

@@ -14,6 +14,7 @@ from geodem.case.laboratory import CalibrationCase, LaboratoryCase, SpecimenOpti
 from geodem.case.material_file import Calibrated, load_material
 from geodem.case.reading import parse_case
 from geodem.case.specimen import ACROSS, ACROSS_CALIBRATION, read_specimen
+from geodem.case.specimen import CALIBRATION_KEYS as SPECIMEN_OF_CALIBRATION
 from geodem.case.table import Findings, Table, listed, quoted
 from geodem.errors import InputError, InputErrors
 from geodem.laboratory.material import BondedMaterial
@@ -22,7 +23,15 @@ _TOP = ("workflow", "title", "seed", "allow_implausible", "specimen")
 LABORATORY_KEYS = (*_TOP, "seeds", "material", "test")
 CALIBRATION_KEYS = (*_TOP, "rock")
 TEST_KEYS = ("kind", "confinement", "normal_stress")
-ROCK_KEYS = tuple(RockTargets.__dataclass_fields__)
+ROCK_DIMENSIONS = {
+    "density": "density",
+    "young_modulus": "stress",
+    "poisson_ratio": "dimensionless",
+    "uniaxial_compressive_strength": "stress",
+    "tensile_strength": "stress",
+    "friction_angle": "angle",
+}
+"""Properties of a rock, and the kind of quantity that each is."""
 
 KINDS = {
     "uniaxial-compression": "",
@@ -37,7 +46,6 @@ KINDS = {
 DEFAULT_SEEDS = 4
 DEFAULT_SEED = 1
 _LARGEST_STRESS = 1e9
-_ROCK_DIMENSIONS = {"density": "density", "poisson_ratio": "dimensionless", "friction_angle": "angle"}
 
 
 def load_any(path: Path | str) -> Case | LaboratoryCase | CalibrationCase:
@@ -113,6 +121,7 @@ def parse_laboratory(text: str, folder: Path) -> LaboratoryCase:
         material=material,
         tests=tests,
         material_file=file,
+        allow_implausible=findings.allowed,
         notices=tuple(findings.notices),
         questions=tuple(findings.questions),
         text=text,
@@ -123,10 +132,7 @@ def parse_calibration(text: str, folder: Path) -> CalibrationCase:
     """Read a case of a calibration from its text; parameters and errors as of `parse_laboratory`."""
     head = _head(text, folder, "calibration", CALIBRATION_KEYS)
     top, findings = head.top, head.findings
-    specimen = read_specimen(top, ACROSS_CALIBRATION)
-    if specimen is not None and specimen.packing != "random":
-        problem = "the map from bonds to rock was measured on random packings"
-        findings.error("specimen.packing", problem, 'Write packing = "random".', value=specimen.packing)
+    specimen = read_specimen(top, ACROSS_CALIBRATION, SPECIMEN_OF_CALIBRATION)
     targets = _targets(top)
     check_allowed(findings, head.document)
     if findings.errors:
@@ -138,6 +144,7 @@ def parse_calibration(text: str, folder: Path) -> CalibrationCase:
         seed=head.seed,
         specimen=specimen,
         targets=targets,
+        allow_implausible=findings.allowed,
         notices=tuple(findings.notices),
         questions=tuple(findings.questions),
         text=text,
@@ -334,11 +341,11 @@ def _targets(top: Table) -> RockTargets:
     if "rock" not in top:
         top.missing("rock", f"Write {example}.")
         return RockTargets()
-    table = top.sub("rock", ROCK_KEYS, example=example)
+    table = top.sub("rock", tuple(ROCK_DIMENSIONS), example=example)
     if table is None:
         return RockTargets()
     before = len(findings.errors)
-    values = {key: table.quantity(key, _ROCK_DIMENSIONS.get(key, "stress")) for key in ROCK_KEYS}
+    values = {key: table.quantity(key, dimension) for key, dimension in ROCK_DIMENSIONS.items()}
     unread = {error.place for error in findings.errors[before:]}
     targets = RockTargets(**{key: value for key, value in values.items() if value is not None})
     findings.errors += [error for error in contradictions(targets, place="rock") if error.place not in unread]

@@ -10,6 +10,8 @@ from geodem.case.section import positive
 from geodem.case.table import Table
 
 SPECIMEN_KEYS = ("dimension", "packing", "shape", "width", "height", "across", "size_ratio")
+CALIBRATION_KEYS = ("dimension", "shape", "width", "across", "size_ratio")
+"""Of the specimens of a calibration, which are twice as high as wide and of the random packing of the map."""
 PACKINGS = {2: ("random", "triangular", "square"), 3: ("random", "fcc")}
 SHAPES = {2: ("prism",), 3: ("prism", "cylinder")}
 ACROSS = {2: 40.0, 3: 16.0}
@@ -20,17 +22,17 @@ COARSEST, COARSE = 10.0, 30.0
 _MANY = 2_000_000  # particles of one specimen: above, a test takes days
 
 
-def read_specimen(top: Table, usual: dict[int, float]) -> SpecimenOptions | None:
+def read_specimen(
+    top: Table, usual: dict[int, float], keys: tuple[str, ...] = SPECIMEN_KEYS
+) -> SpecimenOptions | None:
     """The specimens of a case, with `usual` particles across where it does not say; None where something is wrong."""
     findings = top.findings
     before = len(findings.errors)
-    table = top.sub(
-        "specimen", SPECIMEN_KEYS, example='[specimen] with dimension = 2, width = "50 mm", across = 40'
-    )
+    table = top.sub("specimen", keys, example='[specimen] with dimension = 2, width = "50 mm", across = 40')
     if table is None:
         if "specimen" in top:
             return None
-        table = Table(findings, "specimen", {}, SPECIMEN_KEYS)
+        table = Table(findings, "specimen", {}, keys)
     dimension = table.integer("dimension", smallest=2, remedy="Write 2 for discs or 3 for spheres.")
     if "dimension" not in table:
         dimension = 2
@@ -40,11 +42,13 @@ def read_specimen(top: Table, usual: dict[int, float]) -> SpecimenOptions | None
         dimension = None
     if dimension is None:
         return None
-    packing = table.choice("packing", PACKINGS[dimension], default="random")
+    packing: str | None = "random"
+    if "packing" in keys:
+        packing = table.choice("packing", PACKINGS[dimension], default="random")
     shape = table.choice("shape", SHAPES[dimension], default="prism")
     width = _length(table, "width", SpecimenOptions.width, "50 mm")
     height = table.quantity("height", "length", check=positive)
-    if "height" not in table:
+    if "height" in keys and "height" not in table:
         findings.default("specimen.height", "twice the width")
     elif height is not None and width is not None and not 1.0 <= height / width <= 5.0:
         problem = f"the height is {height / width:.3g} times the width"

@@ -247,7 +247,8 @@ def _driven_by(
     driven.begin(rate)
     course = Course(driven, driving.per_force, more)
     failed, reason = course.until_failure(
-        every=paces.looks_every(expected, rate), fall=driving.fall, longest=paces.LONGEST * expected,
+        every=paces.looks_every(expected, rate), fall=driving.fall,
+        longest=min(paces.LONGEST * expected, paces.MOST_STRAIN * float(driven.specimen.size.max())),
         beyond=driving.beyond * expected, watch=watch,
     )  # fmt: skip
     return course, failed, reason

@@ -85,7 +85,7 @@ def find_failure_plane(places: Floats, weights: Floats, particles: Floats, thick
         if near.sum() <= d:
             break
         share = weights[near] / weights[near].sum()
-        centre = np.asarray(share @ cracks[near], dtype=np.float64)
+        centre = share @ cracks[near]
         away = cracks[near] - centre
         _, axes = np.linalg.eigh((share[:, None] * away).T @ away)
         normal = axes[:, 0]
@@ -109,9 +109,9 @@ def _normals(dimension: int) -> Floats:
         return np.stack([np.cos(turn), np.sin(turn)], axis=1)
     # a spiral of the golden angle: Vogel 1979, Math. Biosci. 44:179, on the sphere
     up = k / count
-    turn = math.pi * (3.0 - math.sqrt(5.0)) * k
+    around = math.pi * (3.0 - math.sqrt(5.0)) * k
     flat = np.sqrt(1.0 - up**2)
-    return np.stack([flat * np.cos(turn), flat * np.sin(turn), up], axis=1)
+    return np.stack([flat * np.cos(around), flat * np.sin(around), up], axis=1)
 
 
 def failure_numbers(specimen: Specimen, cracks: Cracks) -> dict[str, float]:

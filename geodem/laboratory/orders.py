@@ -16,6 +16,9 @@ from ..io.checkpoint import CheckpointFormat, checksum, read_checkpoint, write_c
 from ..provenance import sources_digest
 from . import pace as paces
 from .axial import FALL, compress, pull
+from .bending import bend
+from .brazilian import split
+from .direct_shear import shear
 from .material import BondedMaterial
 from .record import Cracks, Floats, TestRecord
 from .rig import Watch
@@ -70,6 +73,11 @@ class TestOrder:
         stress = f"-{self.stress / 1e6:.6g}MPa" if self.stress else ""
         return f"{self.kind}{stress}-{self.seed}"
 
+    @property
+    def file(self) -> str:
+        """Where it is stored."""
+        return f"{self.name}.h5"
+
     def identity(self) -> str:
         """Hash of all that decides the result: the order, geodem's sources and the libraries' versions."""
         text = json.dumps(asdict(self), sort_keys=True, default=float)
@@ -78,13 +86,11 @@ class TestOrder:
     def cost(self) -> float:
         """About how many steps of a particle it takes; only to be compared with that of other orders."""
         d = int(self.specimen["dimension"])
-        across = float(self.specimen["across"])
-        high = self._slenderness() * across
-        return high * across ** (d - 1) * high * self.pace * KINDS[self.kind].length
-
-    def _slenderness(self) -> float:
+        kind = KINDS[self.kind]
+        across = kind.across * float(self.specimen["across"])
         height, width = self.specimen.get("height"), float(self.specimen["width"])
-        return 2.0 if height is None else float(height) / width
+        slender = kind.slender or (2.0 if height is None else float(height) / width)
+        return slender * across**d * max(slender, 1.0) * across * self.pace * kind.length
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,19 +135,25 @@ class TestKind:
     ----------
     make : callable
         (specimen, order, watch) -> TestRecord
+    length : float
+        Steps until it ends over its pace times the particles along its specimen.
     shape : str or None
         Of its specimen; None: that of the order.
-    length : float
-        Steps until it ends, over those to the peak of a compression test.
+    slender : float
+        Height of its specimen over the width; 0: that of the order.
+    across : float
+        Particles across its specimen over those of the order.
     stress : str
         What its stress is called; empty where it has none.
     """
 
-    __test__ = False
+    __test__ = False  # not one of pytest's
 
     make: Callable[[Specimen, TestOrder, Watch | None], TestRecord]
-    shape: str | None = None
     length: float = 1.0
+    shape: str | None = None
+    slender: float = 0.0
+    across: float = 1.0
     stress: str = ""
 
 
@@ -167,16 +179,28 @@ def carry_out(order: TestOrder, watch: Watch | None = None) -> FinishedTest:
     return FinishedTest(order, record, specimen.radii, specimen.size, compile_seconds() - before)
 
 
+def perform(order: TestOrder, say: Callable[[tuple[float, float]], None]) -> FinishedTest:
+    """`carry_out` for a process of its own: strain and stress are told together, and errors name the test."""
+    try:
+        return carry_out(order, lambda strain, stress: say((strain, stress)))
+    except InputError as error:
+        raise InputError(
+            f"{order.name}, {error.place}", error.problem, error.remedy, value=error.value
+        ) from error
+
+
 def specimen_of(order: TestOrder) -> Specimen:
     """The specimen of an order; raises InputError where there is no such test, or as `make_specimen`."""
     if order.kind not in KINDS:
         remedy = f"Choose one of: {', '.join(KINDS)}"
         raise InputError("test, kind", "there is no such test", remedy, value=order.kind)
+    kind = KINDS[order.kind]
     arguments = dict(order.specimen)
-    shape = KINDS[order.kind].shape
-    if shape is not None and shape != arguments.get("shape"):
-        # the height was given for another shape
-        arguments.update(shape=shape, height=None)
+    arguments["across"] = kind.across * float(arguments["across"])
+    if kind.shape is not None:
+        arguments["shape"] = kind.shape
+    if kind.slender:
+        arguments["height"] = kind.slender * float(arguments["width"])
     return make_specimen(**arguments)
 
 
@@ -237,9 +261,27 @@ def _pull(specimen: Specimen, order: TestOrder, watch: Watch | None) -> TestReco
     )  # fmt: skip
 
 
+def _split(specimen: Specimen, order: TestOrder, watch: Watch | None) -> TestRecord:
+    return split(specimen, order.material, pace=order.pace, seed=order.seed, watch=watch)
+
+
+def _shear(specimen: Specimen, order: TestOrder, watch: Watch | None) -> TestRecord:
+    return shear(
+        specimen, order.material, normal_stress=order.stress, pace=order.pace, seed=order.seed, watch=watch
+    )
+
+
+def _bend(specimen: Specimen, order: TestOrder, watch: Watch | None) -> TestRecord:
+    return bend(specimen, order.material, pace=order.pace, seed=order.seed, watch=watch)
+
+
 KINDS = {
-    "uniaxial-compression": TestKind(_compress, length=1.6),
-    "triaxial-compression": TestKind(_compress, length=2.0, stress="confinement"),
-    "direct-tension": TestKind(_pull, length=1.1),
+    "uniaxial-compression": TestKind(_compress, 1.6),
+    "triaxial-compression": TestKind(_compress, 2.0, stress="confinement"),
+    "direct-tension": TestKind(_pull, 1.1),
+    "brazilian": TestKind(_split, 1.6, shape="disc", slender=0.5),
+    "direct-shear": TestKind(_shear, 3.0, shape="prism", slender=1.0, stress="normal stress"),
+    # a beam bends more slowly than a wave passes, and needs less across than along
+    "three-point-bending": TestKind(_bend, 4.5, shape="prism", slender=4.5, across=0.5),
 }
-"""Tests by name; their lengths are means over the rocks of `reference/problems/rocks.toml`."""
+"""Tests by name. A disc is half as thick as it is wide (in 2D a metre), a block to be sheared as high as it is wide."""

@@ -77,11 +77,16 @@ def measure_properties(
     known = expected or {}
     young, poisson = Rig(specimen, material).elastic_constants()
 
-    def pressed_at(confinement: float, strain: float | None) -> TestRecord:
+    def pressed_at(sides: float, strain: float | None) -> TestRecord:
         return compress(
-            specimen, material, confinement=confinement, expected_strain=strain, pace=pace,
-            time_share=time_share, fall=FALL,
-        )  # fmt: skip
+            specimen,
+            material,
+            confinement=sides,
+            expected_strain=strain,
+            pace=pace,
+            time_share=time_share,
+            fall=FALL,
+        )
 
     pulled = pull(
         specimen, material, expected_strain=known.get("tension"), pace=pace, time_share=time_share, fall=FALL

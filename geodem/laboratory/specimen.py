@@ -164,6 +164,7 @@ def make_specimen(
             f"Give at least {COARSEST}, better {COARSE} or more, where strength hardly depends on it any more",
             value=across,
         )  # fmt: skip
+    size: tuple[float, ...]
     if dimension == 2:
         size: tuple[float, ...] = (width, width if disc else height)
     else:

@@ -1,6 +1,6 @@
-"""A process that carries out orders: they come pickled through its input, what happens goes pickled to its output.
+"""A process that carries out tasks: they come pickled through its input, what happens goes pickled to its output.
 
-Started by `geodem.laboratory.workers`; ends with its input.
+Started by `geodem.laboratory.processes`; ends with its input.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import traceback
 from typing import BinaryIO
 
 from ..errors import InputError
+from .processes import Task
 
 
 def main() -> None:
@@ -22,25 +23,23 @@ def main() -> None:
     try:
         while True:
             try:
-                order = pickle.load(sys.stdin.buffer)
+                task = pickle.load(sys.stdin.buffer)
             except EOFError:
                 return
-            _serve(order, answers)
+            _serve(task, answers)
     except (BrokenPipeError, KeyboardInterrupt):
         # the one who would read it has gone
         os._exit(1)
 
 
-def _serve(order: object, answers: BinaryIO) -> None:
-    from .orders import TestOrder, carry_out
-
+def _serve(task: Task, answers: BinaryIO) -> None:
     def say(*message: object) -> None:
         pickle.dump(message, answers)
         answers.flush()
 
-    assert isinstance(order, TestOrder)
+    more = (lambda told: say("at", told),) if task.tells else ()
     try:
-        say("done", carry_out(order, lambda strain, stress: say("at", strain, stress)))
+        say("done", task.function(*task.arguments, *more))
     except InputError as error:
         say("refused", error.place, error.problem, error.remedy, error.value)
     except BrokenPipeError:

@@ -15,10 +15,10 @@ from geodem.laboratory.orders import FinishedTest
 from geodem.laboratory.summary import Property, Spread, group_tests, material_properties, summarise_envelope
 from geodem.plotting import laboratory_sections as parts
 from geodem.plotting import page, sections
-from geodem.plotting.laboratory_report import HELD_BACK, write_figures
+from geodem.plotting.laboratory_report import run_section, write_figures
+from geodem.plotting.laboratory_wording import rounded
 from geodem.plotting.page import text
 from geodem.plotting.theme import CIRCLE, FAINT, INK, SLIP, SOFT, new_figure, png, quiet_axes, style, svg
-from geodem.units import show
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -82,7 +82,7 @@ def write_calibration_report(
         ("envelope", "Envelope", parts.envelope_section(envelope, pictures)),
         ("specimens", "Specimens", parts.specimens_section(groups, pictures)),
         ("material", "Material file", page.section("material", "Material file", page.toml(material_text))),
-        ("run", "Run", sections.run({k: v for k, v in result.items() if k not in HELD_BACK | OWN})),
+        ("run", "Run", run_section(result)),
         ("case", "Case file", page.section("case", "Case file", page.toml(case_text)) if case_text else ""),
     ]
     present = [(anchor, name, body) for anchor, name, body in content if body]
@@ -93,10 +93,6 @@ def write_calibration_report(
     )
     write_figures(path.parent / "figures", pictures)
     write_whole(path, html)
-
-
-OWN = frozenset({"targets", "rounds", "missed", "fresh", "reached", "narrow", "material_file"})
-"""What the report tells elsewhere than among its run's numbers."""
 
 
 def rounds_chart(found: Calibration, fresh: Sequence[Property]) -> Figure:
@@ -150,13 +146,13 @@ def _answer(result: Mapping[str, Any], found: Calibration, fresh: Sequence[Prope
     for name in OF_TARGETS:
         title, quantity, key = TITLES[name]
         entry = result["properties"][name]
-        low, high = (show(parts.rounded(entry[end]), quantity) for end in ("low", "high"))
+        low, high = (rounded(entry[end], quantity) for end in ("low", "high"))
         own = by_key.get(key)
         rows.append(
             (
                 title,
-                show(parts.rounded(entry["target"]), quantity),
-                show(parts.rounded(entry["achieved"]), quantity),
+                rounded(entry["target"], quantity),
+                rounded(entry["achieved"], quantity),
                 f"{low} to {high}",
                 f"{entry['difference_percent']:+.1f} %",
                 "-" if own is None else parts.shown(own.spread, quantity),
@@ -200,8 +196,8 @@ def _rounds(found: Calibration, pictures: Mapping[str, sections.Picture]) -> str
     rows = [
         (
             str(number),
-            show(parts.rounded(each.fit.effective_modulus), "stress"),
-            show(parts.rounded(each.fit.tensile_strength), "stress"),
+            rounded(each.fit.effective_modulus, "stress"),
+            rounded(each.fit.tensile_strength, "stress"),
             *(f"{each.fit.micro[name]:.4g}" for name in micro),
         )
         for number, each in enumerate(found.rounds, start=1)

@@ -10,7 +10,8 @@ from geodem.io.files import cannot_write, write_whole
 from geodem.laboratory.orders import FinishedTest
 from geodem.laboratory.summary import Property, group_tests, material_properties, summarise_envelope
 from geodem.plotting import laboratory_sections as parts
-from geodem.plotting import page, sections
+from geodem.plotting import page, sections, wording
+from geodem.plotting.laboratory_wording import deviation_shown, rounded
 from geodem.plotting.page import text
 from geodem.units import show
 
@@ -45,7 +46,7 @@ def write_laboratory_report(
         ("envelope", "Envelope", parts.envelope_section(envelope, pictures)),
         ("specimens", "Specimens", parts.specimens_section(groups, pictures) if groups else ""),
         ("material", "Material", _material(result)),
-        ("run", "Run", sections.run({k: v for k, v in result.items() if k not in HELD_BACK})),
+        ("run", "Run", run_section(result)),
         ("case", "Case file", page.section("case", "Case file", page.toml(case_text)) if case_text else ""),
     ]
     present = [(anchor, name, body) for anchor, name, body in content if body]
@@ -58,8 +59,20 @@ def write_laboratory_report(
     write_whole(path, html)
 
 
-HELD_BACK = frozenset({"cracks", "envelope", "properties", "tests", "material", "specimen"})
+HELD_BACK = frozenset(
+    {
+        "cracks", "envelope", "properties", "tests", "material", "specimen", "compile_time_s", "test_time_s",
+        "targets", "rounds", "missed", "fresh", "reached", "narrow", "material_file",
+    }
+)  # fmt: skip
 """What the report tells elsewhere than among its run's numbers."""
+
+
+def run_section(result: Mapping[str, Any]) -> str:
+    """What the run cost: times in all processes, side by side, may add up to more than it took."""
+    times = {"testing, all processes": "test_time_s", "compiling, all processes": "compile_time_s"}
+    settings = {name: wording.seconds(result[key]) for name, key in times.items() if key in result}
+    return sections.run({k: v for k, v in result.items() if k not in HELD_BACK} | {"settings": settings})
 
 
 def write_figures(folder: Path, pictures: Mapping[str, sections.Picture]) -> None:
@@ -79,10 +92,12 @@ def headline(properties: Sequence[Property]) -> tuple[str, str, str]:
     if not properties:
         return "No test is finished yet", "", ""
     chosen = next((entry for entry in properties if entry.key.endswith("strength_Pa")), properties[0])
-    spread = chosen.spread
-    specimens = "1 specimen" if spread.specimens == 1 else f"{spread.specimens} specimens"
-    how = f"{parts.scatter(spread, chosen.quantity).strip()} over {specimens}".strip()
-    return chosen.name, show(parts.rounded(spread.mean), chosen.quantity), how
+    found = chosen.spread
+    specimens = "1 specimen" if found.specimens == 1 else f"{found.specimens} specimens"
+    how = f"over {specimens}"
+    if found.specimens > 1:
+        how = f"± {deviation_shown(found.mean, found.deviation, chosen.quantity)} {how}"
+    return chosen.name, rounded(found.mean, chosen.quantity), how
 
 
 def _answer(result: Mapping[str, Any], properties: Sequence[Property]) -> str:
@@ -117,7 +132,7 @@ def _material(result: Mapping[str, Any]) -> str:
     if material["variation"]:
         scatter = f"{material['distribution']}, coefficient of variation {material['variation']:g}"
         rows.append(("scatter of the bonds' strengths", scatter))
-    size = [show(parts.rounded(value), "length") for value in specimen["size_m"]]
+    size = [f"{1e3 * value:.4g} mm" for value in specimen["size_m"]]
     cut = [
         ("packing", specimen["packing"]),
         ("shape", specimen["shape"]),
@@ -138,5 +153,5 @@ def _parameter(key: str, value: float | None) -> str:
     if value is None:
         return "infinite"
     if key.endswith(("modulus", "_strength", "cohesion")):
-        return show(parts.rounded(value, 6), "stress")
+        return rounded(value, "stress", 6)
     return f"{value:.6g}"

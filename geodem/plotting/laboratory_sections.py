@@ -10,6 +10,7 @@ from geodem.laboratory.summary import EnvelopeSummary, Property, Spread, TestGro
 from geodem.plotting import laboratory_charts as charts
 from geodem.plotting import page
 from geodem.plotting.laboratory_specimen import can_draw, specimen_chart
+from geodem.plotting.laboratory_wording import deviation_shown, rounded, spread
 from geodem.plotting.page import text
 from geodem.plotting.sections import Picture
 from geodem.plotting.theme import png, style, svg
@@ -61,21 +62,9 @@ def title_of(group: TestGroup) -> str:
     return f"{words}{at}{called}"
 
 
-def shown(spread: Spread, quantity: str) -> str:
+def shown(found: Spread, quantity: str) -> str:
     """A mean with its standard deviation and unit."""
-    return show(rounded(spread.mean), quantity) + scatter(spread, quantity)
-
-
-def scatter(spread: Spread, quantity: str) -> str:
-    """The standard deviation as it stands behind a mean; nothing for one specimen."""
-    if not math.isfinite(spread.deviation):
-        return ""
-    return f" ± {show(rounded(spread.deviation, 2), quantity)}"
-
-
-def rounded(value: float, digits: int = 3) -> float:
-    """To a number of significant digits."""
-    return float(f"{value:.{digits}g}") if math.isfinite(value) else value
+    return spread(found.mean, found.deviation, quantity)
 
 
 def properties_table(properties: Iterable[Property]) -> str:
@@ -83,8 +72,10 @@ def properties_table(properties: Iterable[Property]) -> str:
     rows = [
         (
             entry.name,
-            show(rounded(entry.spread.mean), entry.quantity),
-            scatter(entry.spread, entry.quantity).removeprefix(" ± ") or "-",
+            rounded(entry.spread.mean, entry.quantity),
+            "-"
+            if math.isnan(entry.spread.deviation)
+            else deviation_shown(entry.spread.mean, entry.spread.deviation, entry.quantity),
             _percent(entry.spread),
             entry.spread.specimens,
             entry.source,
@@ -145,7 +136,7 @@ def envelope_section(envelope: EnvelopeSummary | None, pictures: Mapping[str, Pi
     whole = envelope.whole
     said = (
         f"The straight line through all strengths: friction angle {math.degrees(whole.friction_angle):.1f} deg, "
-        f"cohesion {show(rounded(whole.cohesion), 'stress')}; the strengths lie {100.0 * whole.misfit:.1f} % from it "
+        f"cohesion {rounded(whole.cohesion, 'stress')}; the strengths lie {100.0 * whole.misfit:.1f} % from it "
         "in the root mean square."
     )
     if math.isfinite(whole.m_i):

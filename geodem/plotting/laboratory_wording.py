@@ -19,7 +19,26 @@ def quantity_of(key: str) -> str:
 
 def rounded(value: float, quantity: str, digits: int = 3) -> str:
     """A value with its unit, to so many significant digits."""
+    if quantity == "angle":
+        return f"{float(f'{math.degrees(value):.{digits}g}'):g} deg"
     return show(float(f"{value:.{digits}g}"), quantity)
+
+
+def spread(value: float, deviation: float | None, quantity: str) -> str:
+    """A mean and, behind it, the standard deviation in the same unit, where there is one."""
+    shown = rounded(value, quantity)
+    if deviation is None or not math.isfinite(deviation):
+        return shown
+    return f"{shown} ± {deviation_shown(value, deviation, quantity)}"
+
+
+def deviation_shown(value: float, deviation: float, quantity: str) -> str:
+    """A standard deviation in the unit that its mean is shown in, to two significant digits."""
+    if quantity != "stress":
+        return rounded(deviation, quantity, 2)
+    unit = rounded(value, quantity).rpartition(" ")[2]
+    size = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9}[unit]
+    return f"{float(f'{deviation / size:.2g}'):g} {unit}"
 
 
 def property_lines(properties: Mapping[str, Mapping[str, Any]]) -> list[str]:
@@ -28,10 +47,9 @@ def property_lines(properties: Mapping[str, Mapping[str, Any]]) -> list[str]:
     for key, entry in properties.items():
         quantity = quantity_of(key)
         deviation, count = entry["standard_deviation"], entry["specimens"]
-        scatter = "" if deviation is None else f" ± {rounded(deviation, quantity, 2)}"
         specimens = "1 specimen" if count == 1 else f"{count} specimens"
         name = entry["name"][0].upper() + entry["name"][1:]
-        lines.append(f"{name} {rounded(entry['mean'], quantity)}{scatter} ({specimens})")
+        lines.append(f"{name} {spread(entry['mean'], deviation, quantity)} ({specimens})")
     return lines
 
 

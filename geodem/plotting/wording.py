@@ -139,4 +139,30 @@ def seconds(value: object) -> str:
     return f"{minutes} min {rest} s" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
 
 
+def closing(progress: Any, seconds_left: float) -> str:
+    """How far the bracket of a search has closed (`geodem.stability.search.Progress`), and the time left."""
+    stable, failed = progress.bracket.stable, progress.bracket.failed
+    if stable is not None and failed is not None:
+        where = f"between {stable:.4f} and {failed:.4f}"
+    elif stable is not None:
+        where = f"above {stable:.4f}"
+    else:
+        where = "not bracketed" if failed is None else f"below {failed:.4f}"
+    count = progress.trials
+    if count == 0:
+        return "the first trial"
+    trials = "1 trial" if count == 1 else f"{count} trials"
+    left = f", about {duration(seconds_left)} left" if isfinite(seconds_left) else ""
+    return f"{where} after {trials}{left}"
+
+
+def duration(time: float) -> str:
+    """Seconds [s] as they are told while one waits: 1 s, 40 s, 2.5 min."""
+    if time < 1.0:
+        return "1 s"
+    if time < 90.0:
+        return f"{time:.0f} s"
+    return f"{time / 60.0:.1f} min"
+
+
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

@@ -1,7 +1,7 @@
-"""Specimens of DICE2D's laboratory (Zhao 2015, sections 2.5 and 3.3), and their links as a network.
+"""Specimens and materials of DICE2D's laboratory (Zhao 2015, sections 2.5 and 3.3).
 
 Discs have the radius 10 m that the text calls their mean particle size: rows of 20 and 19 of them are the 400 m of its
-large specimen, 40 rows its 695.5 m. Bonds are those of two springs, every one of the same stiffness.
+large specimen, 40 rows its 695.5 m. Bonds are those of two springs, every one of the same stiffness and strength.
 """
 
 from __future__ import annotations
@@ -14,9 +14,12 @@ from numpy.typing import NDArray
 
 from geodem.builders.close_pairs import close_pairs
 from geodem.builders.packings import lattice
-from geodem.builders.random_packing import random_packing
 from geodem.integrators.network import Network, build_network, pair_links
+from geodem.laboratory.material import BondedMaterial
+from geodem.laboratory.specimen import Specimen, make_specimen
 from geodem.laws.bond.two_springs import stiffness
+
+from .dice2d_tables import friction
 
 Floats = NDArray[np.float64]
 Pairs = NDArray[np.int64]
@@ -26,8 +29,16 @@ STIFFNESS = 1e8  # kn, tables 2.6, 2.7 and 3.7 [N/m]
 DENSITY = 1000.0  # [kg/m3]
 HEIGHT = math.sqrt(3.0) * RADIUS
 """Of a row of the triangular packing [m]."""
-SIZE_RATIO = 1.66
-"""Largest over smallest radius of irregular packings, which the text does not give."""
+STRENGTH = 2e7  # Ft, table 3.7 [N]
+UNIT = STRENGTH / (2.0 * RADIUS)
+"""Ft over the diameter [Pa]: strengths are given in it as alpha (eq. 3.1)."""
+COHESION = 10.0
+"""Of the bonds over Ft, which the text does not give: enough that nothing fails in shear before it does in tension."""
+FRICTION = 80.0  # [deg]
+RATIO = 0.2
+"""ks/kn where nothing else is said; table 3.7 leaves it open."""
+WIDTH_RATIO = 0.1
+"""WRT, the text's own default."""
 
 
 @dataclass(frozen=True)
@@ -53,12 +64,16 @@ class Bonded:
         """Mean number of bonds of a disc [-]."""
         return 2.0 * len(self.pairs) / len(self.radii)
 
-    def ends(self, axis: int = 1) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Discs (n,) within 1.2 of their radii of the low and of the high end of an axis."""
-        along, reach = self.positions[:, axis], 1.2 * self.radii
-        return along < reach, along > self.box[axis] - reach
+    def ends(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Discs (n,) within a diameter of the low and of the high end of the axis."""
+        along = self.positions[:, 1]
+        return along < 2.0 * RADIUS, along > self.box[1] - 2.0 * RADIUS
 
-    def network(self, ratio: float, width_ratio: float = 0.1) -> Network:
+    def specimen(self, packing: str) -> Specimen:
+        """The same for the laboratory's tests."""
+        return Specimen(self.positions, self.radii, self.box, "prism", packing, None)
+
+    def network(self, ratio: float, width_ratio: float = WIDTH_RATIO) -> Network:
         """Its links, with ks/kn and WRT."""
         smaller = self.radii[self.pairs].min(axis=1)
         bending = [stiffness(STIFFNESS, 0.0, width_ratio, r, r)[3] for r in smaller]
@@ -94,13 +109,36 @@ def triangular(wide: int, high: int) -> Bonded:
     return bonded(found.positions, found.radii, found.box, 1.01)
 
 
-def irregular(
-    width: float, height: float, factor: float, seed: int, *, solid_fraction: float = 0.83
-) -> Bonded:
-    """A random packing between walls, of mean radius 10 m, bonded within `factor` times the sum of the radii."""
-    largest = 2.0 * RADIUS * SIZE_RATIO / (1.0 + SIZE_RATIO)
-    found = random_packing(
-        2, radius=largest, size_ratio=SIZE_RATIO, box=(width, height), periodic=False, seed=seed,
-        solid_fraction=solid_fraction,
+def irregular(width: float, height: float, factor: float, seed: int) -> Bonded:
+    """A random packing of mean radius 10 m, bonded within `factor` times the sum of the radii.
+
+    Sizes are those of the laboratory's specimens, 1.66 from smallest to largest; the text does not give its own.
+    """
+    found = make_specimen(2, width=width, height=height, across=0.5 * width / RADIUS, seed=seed)
+    return bonded(found.positions, found.radii, found.size, factor)
+
+
+def material(
+    factor: float = 1.01,
+    *,
+    ratio: float = RATIO,
+    width_ratio: float = WIDTH_RATIO,
+    cohesion: float = COHESION,
+    angle: float = FRICTION,
+) -> BondedMaterial:
+    """Table 3.7: bonds within `factor` times the sum of the radii, cohesion over Ft, friction angle [deg]."""
+    contact = {
+        "normal_stiffness": STIFFNESS,
+        "shear_stiffness": ratio * STIFFNESS,
+        "friction_coefficient": friction(angle),
+    }
+    bond = {
+        **contact,
+        "tensile_strength": STRENGTH,
+        "cohesion": cohesion * STRENGTH,
+        "width_ratio": width_ratio,
+    }
+    return BondedMaterial(
+        DENSITY, bond, contact, bond_law="two_springs", contact_law="linear_frictional", bonding_range=factor,
+        name="disc",
     )  # fmt: skip
-    return bonded(found.positions, found.radii, found.box, factor)
