@@ -304,7 +304,8 @@ def _progress() -> Iterator[Callable[[Any], None]]:
             shown["time"] = time.perf_counter()
             # two lines, so that nothing is cut off at 80 columns
             live.update(
-                f"{update.text}: {closing(progress, update.seconds_left)}\n  trying {progress.factor:.4g}: step {progress.steps:,}, "
+                f"{update.text}: {closing(progress, update.seconds_left)}\n"
+                f"  trying {progress.factor:.4g}: step {progress.steps:,}, "
                 f"unbalanced {progress.unbalanced_ratio:.0e}, moved {progress.displacement_settlements:.2f} settlements"
             )
 

@@ -32,7 +32,8 @@ STARTS = 4
 _PREFERENCE = 0.03  # of a variable's usual value, in standard deviations of the aims per half range
 _IN_HULL = 100.0  # the same of staying where was measured
 _HEAVY = 20.0  # of the properties that are kept, against the one whose nearest value is asked for
-_LEAST_WEIGHT = {"poisson_ratio": 1e-3, "strength_ratio": 1e-3, "friction_angle": 1e-3}
+_CLOSE = {"poisson_ratio": 0.005, "strength_ratio": 0.02, "friction_angle": math.radians(1.0)}
+# what counts as met, even where the map is known better
 
 
 @dataclass(frozen=True)
@@ -169,7 +170,7 @@ class _Search:
         self.aims = [name for name in AIMS if name in surrogate.answers]
         self._targets = targets
         self._weights = {
-            name: max(surrogate.answers[name].surface.leave_one_out, _LEAST_WEIGHT[name])
+            name: max(surrogate.answers[name].surface.leave_one_out, _CLOSE[name])
             for name in self.aims
         }
         self.kept = self._kept(keep)

@@ -38,7 +38,7 @@ class Surface:
     Attributes
     ----------
     kind : str
-        constant, linear, squares, interactions, quadratic, or thin plate with its smoothing.
+        constant, linear, squares, interactions, quadratic, cubic, or thin plate with its smoothing.
     points : (n, d)
         Where was measured, each coordinate from -1 to 1.
     values : (n,)
@@ -99,7 +99,8 @@ class Surface:
         if common:
             parts.append(float(stdtrit(max(self.seeds - 1.0, 1.0), level)) * self.common)
         if tests is not None:
-            parts.append(float(ndtri(level)) * self.scatter / np.sqrt(tests))
+            # where no point has two specimens, all that they lie off the surface is scatter
+            parts.append(float(ndtri(level)) * (self.scatter or self.deviation) / np.sqrt(tests))
         return float(np.linalg.norm(parts))
 
 
@@ -235,6 +236,7 @@ def _candidates(points: Floats) -> Iterator[tuple[str, Weights]]:
         ("squares", [*linear, *squares]),
         ("interactions", [*linear, *pairs]),
         ("quadratic", [*linear, *pairs, *squares]),
+        ("cubic", [*linear, *squares, (3,)] if dimensions == 1 else linear),
     ):
         told = _told_apart(points, terms)
         if told not in seen and len(told) < len(points):

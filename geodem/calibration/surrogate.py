@@ -24,6 +24,7 @@ Floats = NDArray[np.float64]
 ELASTIC = ("stiffness_ratio", "bonding_range")
 """All that the elastic answers of an unbroken specimen depend on."""
 
+_BY_FACTOR = frozenset({"stiffness_ratio", "shear_over_tension"})
 _ELASTIC_ANSWERS = frozenset({"modulus_ratio", "poisson_ratio"})
 
 FLOORS = {"poisson_ratio": 0.02, "friction_angle": math.radians(3.0)}
@@ -75,7 +76,7 @@ class Surrogate:
     fixed : dict of str to float
         Those that do not, and what they are.
     low, high : (d,)
-        Range of each variable in the scale that it is fitted in: ks/kn, ln(C/Tb), else itself.
+        Range of each variable in the scale that it is fitted in: ln kappa, ln(C/Tb), else itself.
     hulls : tuple of (tuple of int, ndarray)
         Variables and points (n, d) of what was measured, for the elastic variables and for the others: how the
         stiffness ratio shifts strengths is taken to be alike for all strengths, so it need not be measured with each.
@@ -343,13 +344,9 @@ def _transformed(name: str, values: Sequence[float]) -> Floats:
 
 
 def _scaled(name: str, value: float) -> float:
-    """In the scale in which answers are nearly straight: Poisson's ratio of lattices is (1 - s)/(3 + s), s = ks/kn."""
-    if name == "stiffness_ratio":
-        return 1.0 / value
-    return math.log(value) if name == "shear_over_tension" else float(value)
+    """In the scale in which answers are nearly straight."""
+    return math.log(value) if name in _BY_FACTOR else float(value)
 
 
 def _unscaled(name: str, value: float) -> float:
-    if name == "stiffness_ratio":
-        return 1.0 / value
-    return math.exp(value) if name == "shear_over_tension" else value
+    return math.exp(value) if name in _BY_FACTOR else value

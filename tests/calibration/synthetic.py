@@ -66,15 +66,24 @@ class Specimens:
 ANSWERS = ("modulus_ratio", "poisson_ratio", "tension_ratio", "strength_ratio", "friction_angle")
 
 
-def content(seed: int, *, seeds: int = 4) -> dict[str, Any]:
-    """A map file: strengths at 16 points, six more stiffness ratios at one of them; the same seeds everywhere."""
-    specimens = Specimens(seeds, np.random.default_rng(seed))
+def content(seed: int, *, seeds: int = 4, apart: bool = False) -> dict[str, Any]:
+    """A map file: strengths at 16 points, six more stiffness ratios at one of them.
+
+    The same seeds everywhere, or seeds of its own for every point (`apart`).
+    """
+    rng = np.random.default_rng(seed)
+    specimens = Specimens(seeds, rng)
     points = [(2.5, ratio, t) for ratio, t in itertools.product(RATIOS, FRICTIONS)]
     points += [(kappa, 3.0, 0.35) for kappa in KAPPAS if kappa != 2.5]
     rows = []
-    for kappa, ratio, t in points:
+    for number, (kappa, ratio, t) in enumerate(points):
+        if apart:
+            specimens = Specimens(seeds, rng)
         micro = {"stiffness_ratio": kappa, "shear_over_tension": ratio, "bond_friction": t}
-        rows.append({"micro": micro, "macro": specimens.tested(micro), "seeds": list(range(1, seeds + 1))})
+        first = 1 + number * seeds if apart else 1
+        rows.append(
+            {"micro": micro, "macro": specimens.tested(micro), "seeds": list(range(first, first + seeds))}
+        )
     return {"format": 1, "dimension": 2, "source": "closed form with noise", "rows": rows}
 
 
