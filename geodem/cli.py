@@ -332,10 +332,10 @@ def _watch_tests(overview: Overview, live: Any) -> None:
 def _watch_calibration(progress: Progress, live: Any, shown: dict[str, Any]) -> None:
     from .plotting.wording import duration
 
-    left = (
-        "" if math.isnan(progress.seconds_left) else f", at most about {duration(progress.seconds_left)} left"
-    )
-    line = f"{progress.text}{left}"
+    line = progress.text
+    if progress.done < progress.tests and not math.isnan(progress.seconds_left):
+        # the fresh specimens that show the bonds come after that
+        line += f", at most about {duration(progress.seconds_left)} more"
     if live is not None:
         live.update(line)
     elif line != shown["stage"]:

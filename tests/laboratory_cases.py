@@ -33,6 +33,11 @@ kind = "triaxial-compression"
 confinement = "20 MPa"
 """
 
+TENSION = LABORATORY[: LABORATORY.index("[[test]]")].replace("across = 12", "across = 10").replace(
+    "seeds = 2", "seeds = 6"
+) + ('[[test]]\nkind = "direct-tension"\n')
+"""The shortest test there is."""
+
 CALIBRATION = """\
 workflow = "calibration"
 title = "Small sandstone"

@@ -125,9 +125,9 @@ def test_another_rock_is_not_written_over(place, out):
 
 
 def test_what_it_will_cost_is_known_before(place):
-    """16 specimens of three tests at most, and three fresh ones of five."""
+    """Three tests a specimen of the rounds, and five of each of the three fresh ones."""
     orders = expected_orders(load_any(place))
-    assert len(orders) == 16 * 3 + 3 * 5
+    assert len(orders) == fit.ROUNDS * fit.SPECIMENS * 3 + 3 * 5
     assert {order.material.density for order in orders} == {2300.0}
 
 

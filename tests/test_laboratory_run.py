@@ -21,7 +21,7 @@ from geodem.laboratory import orders as orders_module
 from geodem.laboratory.orders import TestOrder, find_test
 from geodem.laboratory.workers import Overview, Workers, _Pace
 from geodem.laboratory_run import orders_of, quick, redraw_laboratory, resume_laboratory, run_laboratory
-from tests.laboratory_cases import LABORATORY, write_case
+from tests.laboratory_cases import LABORATORY, TENSION, write_case
 from tests.small_cases import result_of
 
 
@@ -171,9 +171,11 @@ def test_what_is_done_is_not_done_again(place, out, result):
     assert {path: path.stat().st_mtime_ns for path in out.rglob("*") if path.is_file()} == before
 
 
-def test_stopped_and_resumed_gives_the_same_bits(place, result):
-    """Stopped after its first test; the rest, and one that was damaged, on one process instead of two."""
-    folder = place / "stopped"
+def test_stopped_and_resumed_gives_the_same_bits(tmp_path):
+    """Stopped on two processes after its second test; the rest, and one that was damaged, on one."""
+    case = load_any(write_case(tmp_path, TENSION))
+    whole = run_laboratory(case, tmp_path / "whole", threads=2)
+    folder = tmp_path / "stopped"
     finished = []
 
     def watch(overview: Overview) -> None:
@@ -181,14 +183,7 @@ def test_stopped_and_resumed_gives_the_same_bits(place, result):
             finished.append(overview.last)
 
     with pytest.raises(StoppedError):
-        run_laboratory(
-            load_any(place),
-            folder,
-            threads=2,
-            quickly=True,
-            watch=watch,
-            stop_asked=lambda: len(finished) > 1,
-        )
+        run_laboratory(case, folder, threads=2, watch=watch, stop_asked=lambda: len(finished) > 1)
     stopped = result_of(folder)
     assert stopped["status"] == "stopped"
     assert (folder / "report.html").is_file()
@@ -198,8 +193,8 @@ def test_stopped_and_resumed_gives_the_same_bits(place, result):
     before = kept[1].stat().st_mtime_ns
     resumed = resume_laboratory(folder, load_any(folder), threads=1)
     assert resumed["status"] == "done"
-    assert resumed["digest"] == result["digest"]
-    assert resumed["tests"][0]["strength_Pa"] == result["tests"][0]["strength_Pa"]
+    assert resumed["digest"] == whole["digest"]
+    assert resumed["tests"][0]["strength_Pa"] == whole["tests"][0]["strength_Pa"]
     assert kept[1].stat().st_mtime_ns == before
     assert resumed["wall_time_s"] > stopped["wall_time_s"]
 

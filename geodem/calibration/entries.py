@@ -37,8 +37,8 @@ def statements(found: Calibration) -> list[str]:
     said = [str(miss) for miss in found.missed]
     if not found.good:
         said.append(
-            f"after {len(found.rounds)} rounds of tests the intervals are not all as narrow as is wanted; more "
-            "specimens or particles across would narrow them"
+            f"after {found.tests} specimens the intervals are not all as narrow as is wanted; more specimens or "
+            "particles across would narrow them"
         )
     return said
 

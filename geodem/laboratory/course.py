@@ -19,6 +19,9 @@ Floats = NDArray[np.float64]
 RATIO = 0.1
 """Unbalanced ratio at the peak above which a warning is given: more than in compression, since tension is sudden."""
 
+FARTHER = 3.0
+"""How much farther and faster a pilot goes on that has not come to the peak."""
+
 Reading = Callable[[Driven], float]
 """One more column of the curves."""
 
@@ -208,30 +211,37 @@ def carry_out(
     if not (math.isfinite(pace) and pace > 0.0):
         raise InputError("pace", "these are no steps per particle", f"Give {paces.PACE:g}", value=pace)
     steps = 0
+    ended: tuple[Course, float, bool, str] | None = None
     if not paces.sound(expected):
-        driven = mounted()
-        driven.solve()
-        driven.begin(0.0)
-        guess = driving.overshoot * driven.scale
-        pilot, _, _ = _driven_by(mounted, driving, guess, paces.PILOT, None, None)
-        steps = pilot.driven.simulation.steps
-        curves = pilot.curves()
+        ended = _pilot(mounted, driving, more)
+        course, rate, failed, reason = ended
+        steps = course.driven.simulation.steps
+        curves = course.curves()
         expected = driving.share * float(curves["displacement"][np.argmax(curves["force"])])
     assert expected is not None
-    course, failed, reason = _driven_by(mounted, driving, expected, pace, more, watch)
+    if ended is None or failed:
+        course, rate, failed, reason = _driven_by(mounted, driving, expected, pace, more, watch)
+        steps += course.driven.simulation.steps
+    # else: what does not fail when it is driven fast does not when it is driven slowly
     curves = course.curves()
-    s = course.driven.simulation
-    rate = paces.rate_of(expected, driving.high, pace)
     return Carried(
-        course.driven,
-        curves,
-        failed,
-        reason,
-        steps + s.steps,
-        int(np.argmax(curves["force"])),
-        rate,
-        driving.per_force,
+        course.driven, curves, failed, reason, steps, int(np.argmax(curves["force"])), rate, driving.per_force
     )
+
+
+def _pilot(
+    mounted: Callable[[], Driven], driving: Driving, more: dict[str, Reading] | None
+) -> tuple[Course, float, bool, str]:
+    """Fast, and where there was no peak, farther and faster once more."""
+    driven = mounted()
+    driven.begin(0.0)
+    size = float(driven.specimen.size.max())
+    guess = driving.overshoot * driven.scale
+    while True:
+        ended = _driven_by(mounted, driving, guess, paces.PILOT, more, None)
+        if ended[2] or paces.LONGEST * guess >= paces.MOST_STRAIN * size:
+            return ended
+        guess *= FARTHER
 
 
 def _driven_by(
@@ -241,7 +251,8 @@ def _driven_by(
     pace: float,
     more: dict[str, Reading] | None,
     watch: Watch | None,
-) -> tuple[Course, bool, str]:
+) -> tuple[Course, float, bool, str]:
+    """The course, its drive per step [m], whether it failed, and why it ended."""
     driven = mounted()
     rate = paces.rate_of(expected, driving.high, pace)
     driven.begin(rate)
@@ -251,4 +262,4 @@ def _driven_by(
         longest=min(paces.LONGEST * expected, paces.MOST_STRAIN * float(driven.specimen.size.max())),
         beyond=driving.beyond * expected, watch=watch,
     )  # fmt: skip
-    return course, failed, reason
+    return course, rate, failed, reason

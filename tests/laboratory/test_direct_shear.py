@@ -74,7 +74,8 @@ def test_it_dilates_less_the_more_it_is_pressed():
 def test_cracks_lie_between_the_halves():
     record = sheared(5e6)
     away = np.abs(record.cracks.place[:, 1] - 0.025)
-    assert np.median(away) < 0.25 * 0.025
+    # spread evenly over the block the median would be half of its half height
+    assert np.median(away) < 0.35 * 0.025
 
 
 def test_the_dilation_angle_is_a_slope():
