@@ -15,7 +15,7 @@ CALIBRATION_KEYS = ("dimension", "shape", "width", "across", "size_ratio")
 PACKINGS = {2: ("random", "triangular", "square"), 3: ("random", "fcc")}
 SHAPES = {2: ("prism",), 3: ("prism", "cylinder")}
 ACROSS = {2: 40.0, 3: 16.0}
-ACROSS_CALIBRATION = {2: 30.0, 3: 12.0}
+ACROSS_CALIBRATION = {2: 30.0, 3: 10.0}
 """Particles across where a case does not say: in 3D what still runs in minutes."""
 
 COARSEST, COARSE = 10.0, 30.0

@@ -1,11 +1,13 @@
 """Six rocks calibrated, then tested on specimens that the calibration has not seen: `python -m reference run rocks`.
 
 Granite and sandstone also of spheres. The bounds are those of the mean over the fresh specimens; those of spheres are
-twice as wide. `GEODEM_ROCKS`, a list such as "granite 2, sandstone 3", runs only these.
+twice as wide. `GEODEM_ROCKS`, a list such as "granite 2, sandstone 3", runs only these. What is done is kept in a part
+file until all is, so that a run that was stopped goes on.
 """
 
 from __future__ import annotations
 
+import json
 import math
 import os
 import time
@@ -16,8 +18,11 @@ from geodem.calibration.targets import RockTargets
 from geodem.calibration.trial import Outcome, SpecimenOptions, Trial, peaks_of, run_trials
 from geodem.laboratory.properties import CONFINED
 
+from ..results_file import FOLDER
 from .rocks import read_rocks, targets_of
 from .rows import Row, at_most
+
+PART = FOLDER / "rocks.part"
 
 FRESH = {2: 8, 3: 4}
 """Specimens that the calibration has not seen."""
@@ -39,7 +44,7 @@ ABSOLUTE = ("poisson_ratio", "friction_angle")
 LONGEST = 300.0
 """Of a calibration on two cores [s]."""
 
-OPTIONS = {2: SpecimenOptions(dimension=2), 3: SpecimenOptions(dimension=3, across=12.0)}
+OPTIONS = {2: SpecimenOptions(dimension=2), 3: SpecimenOptions(dimension=3, across=10.0)}
 
 CASES = [(rock, 2) for rock in ("granite", "marble", "sandstone", "shale", "mudstone", "concrete")]
 CASES += [("granite", 3), ("sandstone", 3)]
@@ -52,9 +57,15 @@ def run() -> list[Row]:
     if chosen:
         cases = [(name, int(d)) for name, d in (entry.split() for entry in chosen.split(","))]
     rocks = read_rocks()
+    done: dict[str, list[Any]] = json.loads(PART.read_text()) if PART.is_file() else {}
     rows: list[Row] = []
     for name, dimension in cases:
-        rows += rows_of(name, rocks[name], dimension)
+        label = f"{name} {dimension}D"
+        if label not in done:
+            done[label] = rows_of(name, rocks[name], dimension)
+            PART.write_text(json.dumps(done))
+        rows += [Row(*row) for row in done[label]]
+    PART.unlink(missing_ok=True)
     return rows
 
 
