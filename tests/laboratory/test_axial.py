@@ -89,6 +89,17 @@ def test_pressure_on_the_sides_makes_it_stronger():
     assert found.numbers["confinement"] == sides
 
 
+def test_what_never_fails_says_so():
+    specimen = make_specimen(2, across=8, packing="triangular")
+    found = compress(specimen, MATERIAL.unbreakable(), expected_strain=1e-4)
+    assert not found.failed
+    assert "no failure up to" in found.reason
+    assert any("not a peak" in warning for warning in found.warnings)
+    assert "NOT failed" in found.summary()
+    assert found.cracks.tension == found.cracks.shear == 0
+    assert math.isnan(found.numbers["crack_initiation_stress"])
+
+
 def test_same_specimen_gives_the_same_bits():
     first, second = compressed(1), compress(
         make_specimen(2, across=12, seed=1), MATERIAL, expected_strain=FAR
