@@ -166,7 +166,7 @@ def make_specimen(
         )  # fmt: skip
     size: tuple[float, ...]
     if dimension == 2:
-        size: tuple[float, ...] = (width, width if disc else height)
+        size = (width, width if disc else height)
     else:
         size = (width, height, width) if disc else (width, width, height)
     mean = 0.5 * width / across
