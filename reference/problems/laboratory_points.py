@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple, TypeVar
 
@@ -15,8 +12,10 @@ from numpy.typing import NDArray
 from geodem.laboratory.axial import compress, pull
 from geodem.laboratory.material import BondedMaterial
 from geodem.laboratory.pace import PACE
+from geodem.laboratory.processes import Processes, Task
 from geodem.laboratory.rig import STEP
 from geodem.laboratory.specimen import make_specimen
+from geodem.laboratory.workers import workers_allowed
 
 Floats = NDArray[np.float64]
 Asked = TypeVar("Asked")
@@ -97,20 +96,15 @@ def in_processes(
     function: Callable[[Asked], Told], asked: Sequence[Asked], processes: int | None = None
 ) -> list[Told]:
     """Results in the order of what was asked, each from one thread of one process; as many of these as cores."""
-    count = processes or len(os.sched_getaffinity(0))
+    count = workers_allowed(processes)
     if count == 1:
         return [function(one) for one in asked]
-    # numba counts its threads when it is imported, in the processes that are begun here
-    before = os.environ.get("NUMBA_NUM_THREADS")
-    os.environ["NUMBA_NUM_THREADS"] = "1"
-    try:
-        with ProcessPoolExecutor(count, multiprocessing.get_context("spawn")) as pool:
-            return list(pool.map(function, asked))
-    finally:
-        if before is None:
-            del os.environ["NUMBA_NUM_THREADS"]
-        else:
-            os.environ["NUMBA_NUM_THREADS"] = before
+    told: dict[int, Told] = {}
+    with Processes(count) as several:
+        for event in several.events([Task(function, (one,)) for one in asked]):
+            if event.what == "done":
+                told[event.task] = event.content
+    return [told[k] for k in range(len(asked))]
 
 
 class Mean(NamedTuple):
