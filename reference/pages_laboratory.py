@@ -16,11 +16,11 @@ GROUPS = (
         "![Poisson's ratio against ks/kn](pictures/laboratory_poisson.png)\n\n"
         "Three statements of the text cannot be those of its own model. Its modulus of the triangular packing without "
         "shear springs, kn/sqrt3 (57 MPa, equation 2.6), is half of what the lattice has; the 40 MPa that it finds "
-        "from its beam lie below both. 800 steps of its table 2.7 are a fifth of the beam's period, so that nothing is at "
-        "rest after them. With bonds as wide as the discs (WRT 1) it finds no elastic line: here that beam is as "
+        "from its beam lie below both. 800 steps of its table 2.7 are a fifth of the beam's period, so that nothing is "
+        "at rest after them. With bonds as wide as the discs (WRT 1) it finds no elastic line: here that beam is as "
         "elastic as the others, solved or brought to rest by the engine, and merely stiffer. The height that a beam of "
-        "n rows counts with is (n (n^2 - 1))^(1/3) rows without shear springs, neither H nor H - D; with one height for "
-        "all ks/kn the modulus rises less than that of the lattice.",
+        "n rows counts with is (n (n^2 - 1))^(1/3) rows without shear springs, neither H nor H - D; with one height "
+        "for all ks/kn the modulus rises less than that of the lattice.",
     ),
 )
 
