@@ -173,7 +173,7 @@ class Surrogate:
         noise of few specimens moves the surface little. That is the posterior of a Gaussian process with the surface as
         its mean.
         """
-        return replace(self, measured=tuple(measured))
+        return replace(self, measured=tuple(map(_completed, measured)))
 
     def report(self) -> list[dict[str, str | float]]:
         """For each answer: the kind of surface, its error at points left out, the scatter from seed to seed."""
@@ -306,6 +306,15 @@ def _constant(values: Floats, counts: Floats, noise: Noise) -> Surface:
         misfit=0.0,
         weights=lambda where: np.ones((len(where), 1)),
     )
+
+
+def _completed(trial: Measured) -> Measured:
+    """With UCS/Tb = R T/Tb where only these two are given, specimen by specimen, as in the map."""
+    macro = trial.macro
+    if "compression_ratio" in macro or not {"strength_ratio", "tension_ratio"} <= macro.keys():
+        return trial
+    pairs = zip(macro["strength_ratio"], macro["tension_ratio"], strict=True)
+    return replace(trial, macro={**macro, "compression_ratio": [ratio * tension for ratio, tension in pairs]})
 
 
 def estimate_of(name: str, values: Sequence[float], *, scatter: float | None = None) -> Estimate:
