@@ -20,9 +20,9 @@ from geodem.builders.assembly_builder import AssemblyBuilder
 from geodem.laboratory import axial
 from geodem.laboratory.envelope import Envelope, fit_envelope
 from geodem.laboratory.material import BondedMaterial
-from geodem.laboratory.pace import LOOKS, PACE, looks_every, rate_of
+from geodem.laboratory.pace import LOOKS, PACE
 from geodem.laboratory.record import TestRecord
-from geodem.laboratory.rig import DAMPING, Motion, Rig, even_density
+from geodem.laboratory.rig import DAMPING, even_density
 from geodem.laboratory.specimen import Specimen, make_specimen
 from geodem.particle_simulation import ParticleSimulation
 
@@ -46,14 +46,12 @@ COHESION = 1.0
 """Over Ft in the study of the friction: bonds fail in shear as well as in tension."""
 CONFINEMENTS = (0.0, 0.0625, 0.125, 0.1875)
 """Over the uniaxial strength."""
-STRAIN = 0.04
-"""Axial strain at the peak of confined tests, roughly: sets their rate."""
 SPLIT_STRAIN = 0.04
-"""Way of the plates over the diameter at the peak, roughly: the same."""
+"""Way of the plates over the diameter at the peak of a Brazilian test, roughly: sets the rate."""
 FALL = 0.7
-"""Share of the largest load to which it has fallen when a specimen has failed."""
+"""Share of the largest load to which it has fallen when a disc has split."""
 LONGEST = 5.0
-"""Ways over that expected at the peak at which a specimen that has not is given up."""
+"""Ways over that at the peak, roughly, at which a disc that has not split is given up."""
 
 TEXT = "Zhao 2015, section 3.3"
 
@@ -302,15 +300,9 @@ class Confined(NamedTuple):
 
 
 def press(specimen: Specimen, made_of: BondedMaterial, pressure: float) -> float:
-    """Largest axial stress under a pressure on the sides [Pa]; from the state under that pressure alone."""
-    rig = Rig(specimen, made_of, confinement=pressure)
-    rate = rate_of(STRAIN, specimen.height / specimen.diameter, PACE)
-    rig.begin(rate, share=-math.inf)
-    motion = Motion(rig, 1.0)
-    failed, _ = motion.until_failure(
-        every=looks_every(STRAIN, rate), fall=FALL, longest=LONGEST * STRAIN, floor=pressure
-    )
-    return float(motion.curves()["axial_stress"].max()) if failed else math.nan
+    """Largest axial stress under a pressure on the sides [Pa]; nan where there was no peak."""
+    record = axial.compress(specimen, made_of, confinement=pressure)
+    return record.strength if record.failed else math.nan
 
 
 def confined(angle: float, seeds: tuple[int, ...] = FEW_SEEDS) -> Confined:
