@@ -18,7 +18,7 @@ from scipy.optimize import least_squares
 from ..errors import InputError
 from ..laboratory.material import BondedMaterial
 from .surrogate import Estimate, Surrogate
-from .table import DEFAULTS, LOGARITHMIC, to_scale
+from .table import DEFAULTS, LOGARITHMIC, from_scale, to_scale
 from .targets import RockTargets
 
 Floats = NDArray[np.float64]
@@ -135,7 +135,7 @@ def invert(
     for name in search.missed(place):
         others = {other: 1.0 if other == name else _HEAVY for other in search.aims}
         there = search.solve(others, start=place)
-        nearest = surrogate.estimate(there, name).value
+        nearest = from_scale(name, search.value(there, name))
         kept = not [other for other in search.missed(there) if other != name]
         missed.append(Miss(name, search.wanted(name), nearest, kept))
     return _fit(surrogate, targets, place, tuple(missed), tests)
@@ -170,8 +170,7 @@ class _Search:
         self.aims = [name for name in AIMS if name in surrogate.answers]
         self._targets = targets
         self._weights = {
-            name: max(surrogate.answers[name].surface.leave_one_out, _CLOSE[name])
-            for name in self.aims
+            name: max(surrogate.answers[name].surface.leave_one_out, _CLOSE[name]) for name in self.aims
         }
         self.kept = self._kept(keep)
         self._free = [i for i, name in enumerate(surrogate.variables) if name not in keep]
@@ -206,9 +205,9 @@ class _Search:
         return [name for name in self.aims if abs(self._error(place, name)) > 1.0]
 
     def _error(self, place: Floats, name: str) -> float:
-        return (self._value(place, name) - to_scale(name, self.wanted(name))) / self._weights[name]
+        return (self.value(place, name) - to_scale(name, self.wanted(name))) / self._weights[name]
 
-    def _value(self, place: Floats, name: str) -> float:
+    def value(self, place: Floats, name: str) -> float:
         """An aim at coordinates (d,), in the scale of the fit.
 
         UCS/T is that of the two surfaces whose strengths are told as achieved. It has a surface of its own too, which

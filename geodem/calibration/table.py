@@ -132,6 +132,11 @@ def to_scale(name: str, value: float) -> float:
     return math.log(value) if name in LOGARITHMIC else value
 
 
+def from_scale(name: str, value: float) -> float:
+    """A macro answer from the scale in which it scatters."""
+    return math.exp(value) if name in LOGARITHMIC else value
+
+
 def load_table(path: Path) -> MapTable:
     """Read a map file.
 
