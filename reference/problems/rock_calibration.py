@@ -82,11 +82,10 @@ def rows_of(name: str, rock: dict[str, Any], dimension: int) -> list[Row]:
     rows = [at_most(label, "seconds of the calibration on two cores", seconds, LONGEST, seconds, "asked for")]
     for quantity, bound in BOUNDS.items():
         rows.append(_row(label, quantity, targets, outcomes, bound * (1 if dimension == 2 else 2), rock))
+    for row in rows:
+        print(f"   {row.quantity}: {row.value:.5g}, {row.expected:.5g} wanted, {'good' if row.good else 'MISS'}")
     brittle = [o["peak_strain"] * o["young_modulus"] / o["uniaxial_compressive_strength"] for o in outcomes]
-    print(
-        f"   peak strain over UCS/E {sum(brittle) / len(brittle):.2f}, bonds {dict(found.material.bond)}",
-        flush=True,
-    )
+    print(f"   peak strain over UCS/E {sum(brittle) / len(brittle):.2f}, {found.texture}", flush=True)
     return rows
 
 
