@@ -261,9 +261,8 @@ def points() -> list[Point]:
     return [p for rock in ROCKS for p in rates(rock) + resolutions(rock) + roundings(rock)]
 
 
-def report(answers: Mapping[Point, Answer]) -> list[Row]:
-    """All figures, and the picture."""
-    PICTURE.write_bytes(draw(answers))
+def figures(answers: Mapping[Point, Answer]) -> list[Row]:
+    """All figures."""
     return [
         row
         for rock in ROCKS
@@ -272,5 +271,7 @@ def report(answers: Mapping[Point, Answer]) -> list[Row]:
 
 
 def run() -> list[Row]:
-    """All of them."""
-    return report(measure_all(points()))
+    """All of them, and the picture."""
+    answers = measure_all(points())
+    PICTURE.write_bytes(draw(answers))
+    return figures(answers)
