@@ -139,7 +139,7 @@ def _check_tests(
     seconds = found.seconds(processes)
     memory = f", {found.memory_bytes / 1e6:.0f} MB of memory each" if found.memory_bytes else ""
     console.print(
-        f"Expected time: {_time(seconds)} ({_time(seconds / 2)} to {_time(seconds * 2)}) with {processes} tests at "
+        f"Expected time: {_time(seconds)} ({_time(seconds / 2)} to {_time(seconds * 3)}) with {processes} tests at "
         f"a time{memory}, compiling not counted"
     )
     _print_notices(case.notices, (), console)

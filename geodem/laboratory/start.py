@@ -9,9 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..particle_simulation import ParticleSimulation
-from ..particle_statics import displace
+from ..particle_statics import balance, displace, find_equilibrium
 
 Floats = NDArray[np.float64]
+
+OPENED = 0.05
+"""Unbalanced ratio above which a solved state is none: large turns leave a hundredth, contacts that open a half."""
+
+NEARER = 0.25
+"""Share of the way to the first break that is gone then: bonds that lose their contact bear a few times as much."""
+
+SETTLED = 1e-3
+"""Unbalanced ratio of the equilibrium that is sought then."""
 
 WITHIN = 1.02
 """Utilisation over the share that is wanted, up to which nothing is taken back."""
@@ -36,6 +45,9 @@ def go_to_first_break(
     simulation: ParticleSimulation, unit: Floats, trial: float, share: float, *, farthest: float
 ) -> Start:
     """Move by a multiple of a solved motion until the most stressed bond is at `share` of its strength.
+
+    Where contacts act beside bonds, those across the load open and bonds bear what they bore: the motion then begins
+    at a part of that multiple, in equilibrium.
 
     Utilisations by tension and by shear rise with the multiple each in its own way: one that begins low, because a
     pressure closes the bond, may overtake the other. Both are followed, along their tangents at the start. They are
@@ -74,6 +86,11 @@ def go_to_first_break(
         back = max(found * max(share - start, 0.0) / (most - start), trial)
         displace(simulation, (back - found) * unit)
         found = back
+    if balance(simulation) > OPENED:
+        # what acts only under pressure has opened, so that this is not the state that was solved for
+        displace(simulation, (NEARER - 1.0) * found * unit)
+        find_equilibrium(simulation, tolerance=SETTLED, breaking=False)
+        found *= NEARER
     return Start(found, steepest)
 
 

@@ -230,8 +230,8 @@ def draw(answers: Mapping[Point, Answer]) -> bytes:
             _spread(last, at, friction, rock, look)
         for axes, words in (
             (top, ("steps to the peak per particle of height", "compressive strength over that at 340")),
-            (left, ("particles across", "compressive strength over that of a bond in tension")),
-            (right, ("particles across", "tensile strength over that of a bond")),
+            (left, ("particles across", "compressive strength over Tb")),
+            (right, ("particles across", "tensile strength over Tb")),
             (last, ("particles across", "friction angle [deg]")),
         ):
             axes.set_xscale("log")
@@ -243,7 +243,7 @@ def draw(answers: Mapping[Point, Answer]) -> bytes:
             quiet_axes(axes)
         top.axhline(1.0, color=SOFT, linewidth=0.8)
         top.set_title("Rate (squares: half the time step)")
-        left.set_title("Resolution; bars: one specimen's deviation, wide: error of the mean")
+        left.set_title("Resolution (wide bars: error of the mean)")
         left.set_ylim(0.0, None)
         right.set_ylim(0.0, None)
         top.legend(loc="upper right")
@@ -261,9 +261,8 @@ def points() -> list[Point]:
     return [p for rock in ROCKS for p in rates(rock) + resolutions(rock) + roundings(rock)]
 
 
-def report(answers: Mapping[Point, Answer]) -> list[Row]:
-    """All figures, and the picture."""
-    PICTURE.write_bytes(draw(answers))
+def figures(answers: Mapping[Point, Answer]) -> list[Row]:
+    """All figures."""
     return [
         row
         for rock in ROCKS
@@ -272,5 +271,7 @@ def report(answers: Mapping[Point, Answer]) -> list[Row]:
 
 
 def run() -> list[Row]:
-    """All of them."""
-    return report(measure_all(points()))
+    """All of them, and the picture."""
+    answers = measure_all(points())
+    PICTURE.write_bytes(draw(answers))
+    return figures(answers)

@@ -163,6 +163,8 @@ def stored(table: Table) -> list[dict[str, object]]:
             "law": law.label,
             "C/Tb": law.ratio,
             "phi_b_deg": law.angle,
+            "modulus_share": means["young"].value / MODULUS,
+            "tension_share": means["tension"].value / STRENGTH,
             **{field: mean.value for field, mean in means.items()},
             **{f"{field}_deviation": mean.deviation for field, mean in means.items()},
             "specimens": means["ratio"].number,

@@ -8,6 +8,7 @@ import pytest
 
 from geodem.laboratory.rig import Rig
 from geodem.laboratory.specimen import make_specimen
+from reference.pages_laboratory import laws_table
 from reference.problems import laboratory_convergence as convergence
 from reference.problems import laboratory_laws as laws
 from reference.problems.laboratory_points import Answer, Mean, measure, measure_all
@@ -57,21 +58,20 @@ def test_rounding_changes_a_peak_and_nothing_before_it():
     assert second.young == first.young
 
 
-def test_figures_off_their_bounds_are_told(tmp_path, monkeypatch):
-    monkeypatch.setattr(convergence, "PICTURE", tmp_path / "picture.png")
+def test_figures_off_their_bounds_are_told():
     even = {p: answer(50e6 if p.kind != "confined" else 100e6) for p in convergence.points()}
     # one value for all would have no scatter, which is no fault
-    assert all(row.good for row in convergence.report(even))
-    assert (tmp_path / "picture.png").stat().st_size > 10_000
+    assert all(row.good for row in convergence.figures(even))
+    assert len(convergence.draw(even)) > 10_000
     slow = {
         p: a._replace(strength=0.95 * a.strength) if p.pace == 680.0 and p.time_share == 0.7 else a
         for p, a in even.items()
     }
-    bad = [row.quantity for row in convergence.report(slow) if not row.good]
+    bad = [row.quantity for row in convergence.figures(slow) if not row.good]
     assert len(bad) == 2
     assert all("half the rate" in quantity for quantity in bad)
     coarse = {p: a._replace(strength=1.1 * a.strength) if p.across == 15.0 else a for p, a in even.items()}
-    bad = [(row.name, row.quantity) for row in convergence.report(coarse) if not row.good]
+    bad = [(row.name, row.quantity) for row in convergence.figures(coarse) if not row.good]
     assert len(bad) == 4
     assert all("15 across" in name and "strength" in quantity for name, quantity in bad)
 
@@ -117,3 +117,13 @@ def test_a_law_off_its_bounds_is_told():
     weak = [f._replace(ratio=min(f.ratio, 15.0), friction=math.radians(30.0)) for f in told]
     bad = [row.quantity for row in laws.rows(laws.tabulate(asked, weak)) if not row.good]
     assert len(bad) == 4 + 3
+
+
+def test_the_table_of_laws_has_a_line_a_law():
+    asked = laws.points()
+    told = [laws.Figures(24e9, 0.2, 4e6, 40e6, 10.0, 0.7, 20.0, 1.2, 0.4, 0.8, 0.2, 0.01, 1.0) for _ in asked]
+    text = laws_table(laws.stored(laws.tabulate(asked, told)))
+    lines = text.strip().splitlines()
+    assert len(lines) == 2 + len(laws.LAWS)
+    assert len({line.count("|") for line in lines}) == 1
+    assert "| 0.8 | 0.2 | 0.5 | 10 +- 0 | 40 | 20 | 1.2 | 0.4 | 0.8 | 20 | 1 | 3 |" in lines[2]
