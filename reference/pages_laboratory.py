@@ -28,15 +28,15 @@ GROUPS = (
         "laboratory-dice2d",
         "Strengths of DICE2D's laboratory: tension, splitting, compression",
         "The tests of Zhao (2015), section 3.3, begun from the elastic state and driven slowly. Strengths are in Ft "
-        "over the diameter D of 20 m that the text's 400 m x 695.5 m and its number of discs ask for. Its 3 MPa for the "
-        "triangular specimen are 1.5 Ft over 10 m: twice what all bonds of a section bear together.\n\n"
+        "over the diameter D of 20 m that the text's 400 m x 695.5 m and its number of discs ask for. Its 3 MPa for "
+        "the triangular specimen are 1.5 Ft over 10 m: twice what all bonds of a section bear together.\n\n"
         "![Tension by four parameters](pictures/laboratory_dice2d_tension.png)\n\n"
         "A triangular specimen breaks at the load at which its most loaded bond does, cohesion and friction cut that "
         "off as the closed form has it, and ks/kn counts for a third, not for a tenth. The text's coefficients of "
         "irregular specimens are what the bonds of a straight section bear if all of them reach Ft at once. They do "
-        "not here: one of the first breaks is the last, at less than half of that. Specimens of half the width, discs all "
-        "alike, bonds of any width or a rate thirty times higher, tried on a few seeds, change it by 15 % at most. The "
-        "ratios of splitting and compression to this tension are higher than the text's. Splitting is between "
+        "not here: one of the first breaks is the last, at less than half of that. Specimens of half the width, discs "
+        "all alike, bonds of any width or a rate thirty times higher, tried on a few seeds, change it by 15 % at most. "
+        "The ratios of splitting and compression to this tension are higher than the text's. Splitting is between "
         "plane walls, as in the text, at 20 discs across.\n\n"
         "![Splitting, compression, envelopes](pictures/laboratory_dice2d_strength.png)",
     ),
