@@ -49,6 +49,17 @@ GROUPS = (
         "![Strengths against rate and resolution](pictures/laboratory_convergence.png)",
     ),
     Group(
+        "laboratory-tests",
+        "Splitting, bending, direct shear",
+        "Discs between jaws that bear on 10 degrees of the rim, beams, blocks in a split box; one rock. Figures of the "
+        "middle of a disc are means over a circle, brought to the middle by the closed form.\n\n"
+        "The envelope of direct shear is steeper than that of triaxial tests, with a smaller cohesion: at low normal "
+        "stress the block tears between the halves of the box, piece by piece, before it shears, and falls short of "
+        "Mohr and Coulomb's line; the higher the normal stress, the less. "
+        "Beams are 20 discs high: how much more bending gives than tension depends on the height, and 1.5 to 3 is "
+        "recalled from textbooks, not looked up.",
+    ),
+    Group(
         "laboratory-laws",
         "Laws of bonded grains on the same specimens",
         "Compression, tension and confined compression of the same random specimens in 2D, law by law: what the choice "
