@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 
 PACE = 340.0
-"""Steps to the peak per particle of height. At half of it the compressive strength is about 3 % too high."""
+"""Steps to the peak per particle of height. At half of it the compressive strength comes out 4 % higher (sandstone), or
+9 % (granite, whose peak is farther); at twice of it 1 % and 5 % lower."""
 
 PILOT = 40.0
 """Pace of the pilot that only finds out how far it is to the peak."""

@@ -30,7 +30,7 @@ COARSEST = 8
 """Particles across, below which a specimen is a handful of grains and no test is made."""
 
 COARSE = 30
-"""Particles across, below which strength and friction still depend on how many there are."""
+"""Particles across, below which strengths depend strongly on how many there are; from 30 to 60 they still fall by some 6 %."""
 
 SOLID_FRACTION = {2: 0.83, 3: 0.62}
 """Of random specimens: dense, and not pressed into one another, so that nothing bursts where a bond breaks."""
@@ -161,7 +161,7 @@ def make_specimen(
     if not (math.isfinite(across) and across >= COARSEST):
         raise InputError(
             "specimen, across", f"{across:g} particles are no continuum: the specimen is too coarse",
-            f"Give at least {COARSEST}, better {COARSE} or more, where strength hardly depends on it any more",
+            f"Give at least {COARSEST}, better {COARSE} or more, where strength depends less on it",
             value=across,
         )  # fmt: skip
     size: tuple[float, ...]
