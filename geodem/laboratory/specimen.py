@@ -30,7 +30,7 @@ COARSEST = 8
 """Particles across, below which a specimen is a handful of grains and no test is made."""
 
 COARSE = 30
-"""Particles across, below which strengths depend strongly on how many there are; from 30 to 60 they still fall by some 6 %."""
+"""Particles across, below which strengths depend much on how many there are; from 30 to 60 they still fall by 6 %."""
 
 SOLID_FRACTION = {2: 0.83, 3: 0.62}
 """Of random specimens: dense, and not pressed into one another, so that nothing bursts where a bond breaks."""
