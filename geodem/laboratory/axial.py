@@ -22,9 +22,6 @@ FALL = 0.7
 INITIATION = 0.01
 """Crack initiation: this share of the cracks at the peak is there (Potyondy & Cundall 2004, section 4.2)."""
 
-SLOWEST = 1e-30
-"""Rate that only says in which direction [1/step]."""
-
 FARTHER = 3.0
 """How much farther and faster a pilot goes on that has not come to the peak."""
 
@@ -193,14 +190,13 @@ def _pilot(
 ) -> tuple[Rig, Motion, bool]:
     """A fast test that only finds out how far the peak is; whether it failed at all."""
     rig = mounted()
-    rig.begin(sign * SLOWEST)
+    rig.approach(sign)
     # tension goes about as far as the first break, compression several times as far
     guess = rig.first_break * (1.2 if sign < 0.0 else 4.0)
     # under pressure a bond may be near its strength from the start
     guess = max(guess, 6.0 * confinement / rig.modulus)
-    rig = mounted()
     rate = paces.rate_of(guess, high, paces.PILOT)
-    rig.begin(sign * rate)
+    rig.set_in_motion(sign * rate)
     motion = Motion(rig, sign)
     while True:
         failed, _ = motion.until_failure(

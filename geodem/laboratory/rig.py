@@ -204,18 +204,27 @@ class Rig:
         ----------
         rate : float
             Axial strain per step [-]; positive: compression.
+        share : float
+            Of the strength of the bond that breaks first [-].
         """
+        self.approach(math.copysign(1.0, rate), share=share)
+        self.set_in_motion(rate)
+
+    def approach(self, sign: float, *, share: float = FIRST_SHARE) -> None:
+        """Go to the elastic state at `share` of the load of the first break, in compression (1) or tension (-1)."""
         if not self._solved:
             self.solve()
         s = self.simulation
-        sign = math.copysign(1.0, rate)
         p = self.confinement
-        base = p * (self.pressed + self.even * self.squeezed)
         if p:
-            displace(s, base)
+            displace(s, p * (self.pressed + self.even * self.squeezed))
         strain = go_to_first_break(s, sign * self.squeezed, TRIAL_STRAIN, share, farthest=FARTHEST).multiple
         self.first_break = strain / share
         self.strain = sign * strain
+
+    def set_in_motion(self, rate: float) -> None:
+        """Give everything the velocities that the solved state changes with at this strain per step."""
+        s = self.simulation
         self.drive(rate)
         speed = rate / s.time_step * self.squeezed
         held = s.assembly.held

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -203,9 +204,7 @@ def can_draw(test: FinishedTest) -> str:
     """Why there can be no picture of it, or nothing."""
     if test.record.positions.shape[1] == 2:
         return ""
-    try:
-        import pyvista  # noqa: F401
-    except ImportError:
+    if find_spec("pyvista") is None:
         error = InputError("picture", "spheres are drawn by pyvista", "Run: pip install 'geodem[pictures]'")
         return str(error)
     return ""

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from geodem.laboratory.rig import STEP
 
 from .laboratory_points import Answer, Floats, Mean, Point, measure_all
 from .rows import Row, at_most
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 PICTURE = Path(__file__).resolve().parents[2] / "docs" / "pictures" / "laboratory_convergence.png"
 
@@ -250,10 +253,10 @@ def draw(answers: Mapping[Point, Answer]) -> bytes:
         return png(figure)
 
 
-def _spread(axes: object, at: Floats, values: Floats, label: str, look: Mapping[str, object]) -> None:
+def _spread(axes: Axes, at: Floats, values: Floats, label: str, look: Mapping[str, Any]) -> None:
     """Means, with thin bars for the deviation of one specimen and thick ones for the error of the mean."""
-    axes.errorbar(at, values[:, 0], values[:, 1], fmt="o-", label=label, **look)  # type: ignore[attr-defined]
-    axes.errorbar(at, values[:, 0], values[:, 2], fmt="none", ecolor=look["color"], elinewidth=3.0)  # type: ignore[attr-defined]
+    axes.errorbar(at, values[:, 0], values[:, 1], fmt="o-", label=label, **look)
+    axes.errorbar(at, values[:, 0], values[:, 2], fmt="none", ecolor=look["color"], elinewidth=3.0)
 
 
 def points() -> list[Point]:
