@@ -28,7 +28,6 @@ from .laboratory.entries import envelope_entry, group_entry, material_entry, pro
 from .laboratory.files import write_tests
 from .laboratory.material import BondedMaterial
 from .laboratory.orders import FinishedTest, TestOrder, find_test
-from .laboratory.properties import CONFINED
 from .laboratory.specimen import COARSE
 from .laboratory.summary import group_tests, material_properties, summarise_envelope
 from .laboratory.workers import Workers, workers_allowed
@@ -40,8 +39,8 @@ MATERIAL_FILE = "material.toml"
 SHOWN = 3
 """Fresh specimens on which the bonds are shown."""
 
-CONFINEMENTS = (0.5 * CONFINED, CONFINED, 2.5 * CONFINED)
-"""Of the tests that show the envelope, over the compressive strength."""
+CONFINEMENTS = (0.25, 0.5, 1.0)
+"""Of the tests that show the envelope, over that up to which the friction angle is asked for."""
 
 FRESH = 50_021
 """Seeds of the fresh specimens begin so far behind the first one of the calibration."""
@@ -210,7 +209,7 @@ def expected_orders(case: CalibrationCase) -> list[TestOrder]:
     _, _, fit = first_fit(case.targets, case.specimen.dimension)
     material = material_of(fit, case.targets, case.title)
     specimen = _specimen(options_of(case, False))
-    sides = CONFINED * case.targets.uniaxial_compressive_strength
+    sides = case.targets.sides
     kinds = (("direct-tension", 0.0), ("uniaxial-compression", 0.0), ("triaxial-compression", sides))
     trials = [
         TestOrder(kind, {**specimen, "seed": seed}, material, stress=stress, fall=0.85)
@@ -273,7 +272,7 @@ def _orders(
     specimens: int,
     pace: float,
 ) -> list[TestOrder]:
-    pressures = [float(f"{share * targets.uniaxial_compressive_strength:.3g}") for share in CONFINEMENTS]
+    pressures = [float(f"{share * targets.sides:.3g}") for share in CONFINEMENTS]
     kinds = [("uniaxial-compression", 0.0), ("direct-tension", 0.0)]
     kinds += [("triaxial-compression", pressure) for pressure in pressures]
     return [

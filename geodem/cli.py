@@ -86,6 +86,10 @@ def calibrate(
     compressive_strength: Annotated[str | None, typer.Option(help='Uniaxial, such as "200 MPa".')] = None,
     tensile_strength: Annotated[str | None, typer.Option(help='Direct, such as "9 MPa".')] = None,
     friction_angle: Annotated[str | None, typer.Option(help='Such as "55 deg".')] = None,
+    friction_confinement: Annotated[
+        str | None,
+        typer.Option(help="Up to which the angle was fitted. [default: half the compressive strength]"),
+    ] = None,
     density: Annotated[str | None, typer.Option(help='Such as "2630 kg/m3".')] = None,
     dimension: Annotated[int | None, typer.Option(help="Discs (2) or spheres (3). [default: 2]")] = None,
     seed: Annotated[int | None, typer.Option(help="Other specimens with another. [default: 1]")] = None,
@@ -99,7 +103,8 @@ def calibrate(
     given = {
         "young_modulus": young_modulus, "poisson_ratio": poisson_ratio,
         "uniaxial_compressive_strength": compressive_strength, "tensile_strength": tensile_strength,
-        "friction_angle": friction_angle, "density": density, "dimension": dimension, "seed": seed,
+        "friction_angle": friction_angle, "friction_confinement": friction_confinement,
+        "density": density, "dimension": dimension, "seed": seed,
     }  # fmt: skip
     if case is not None:
         named = [name for name, value in given.items() if value is not None]

@@ -16,8 +16,8 @@ from json import loads
 from pathlib import Path
 
 from ..errors import InputError, InputErrors
+from ..laboratory.confined import CONFINED
 from ..laboratory.material import BondedMaterial
-from ..laboratory.properties import CONFINED
 from .inverse import Fit, Miss, invert
 from .surrogate import Estimate, Measured, Surrogate, fit_surrogate
 from .table import table_of
@@ -143,9 +143,15 @@ def residual_friction(bond_friction: float) -> float:
     return min(0.5, 0.2 + 0.6 * bond_friction)
 
 
-@lru_cache(maxsize=4)
-def surrogates(dimension: int) -> dict[str, Surrogate]:
+@lru_cache(maxsize=8)
+def surrogates(dimension: int, confinement: float = CONFINED) -> dict[str, Surrogate]:
     """Maps of a dimension by texture, from the tables stored with the package.
+
+    Parameters
+    ----------
+    dimension : int
+    confinement : float
+        Up to which friction angles are meant, over the compressive strength [-].
 
     Raises
     ------
@@ -159,7 +165,7 @@ def surrogates(dimension: int) -> dict[str, Surrogate]:
         raise InputError("dimension", "there is no map", "Give 2 or 3", value=dimension)
     content = loads(entry.read_text(encoding="utf-8"))
     return {
-        texture: fit_surrogate(table_of(table, place=f"{Path(name)}, {texture}"))
+        texture: fit_surrogate(table_of(table, place=f"{Path(name)}, {texture}").up_to(confinement))
         for texture, table in content["textures"].items()
     }
 
@@ -170,8 +176,9 @@ def first_fit(targets: RockTargets, dimension: int) -> tuple[str, Surrogate, Fit
     The first of those that can have all properties: grains that are bonded to their neighbours alone scatter less, from
     specimen to specimen, than interlocked ones, and crack later. Where none has all, the one that misses least.
     """
+    share = targets.sides / targets.uniaxial_compressive_strength
     found = []
-    for order, (texture, surrogate) in enumerate(surrogates(dimension).items()):
+    for order, (texture, surrogate) in enumerate(surrogates(dimension, share).items()):
         fit = invert(surrogate, targets)
         lack = sum(abs(math.log(miss.nearest / miss.wanted)) for miss in fit.missed)
         found.append((lack, order, texture, surrogate, fit))
@@ -237,7 +244,7 @@ def calibrate(
         )  # fmt: skip
     known = {} if done is None else done
     texture, surrogate, fit = first_fit(targets, options.dimension)
-    sides = CONFINED * targets.uniaxial_compressive_strength
+    sides = targets.sides
     expected = peaks_of(
         targets.young_modulus, targets.uniaxial_compressive_strength, targets.tensile_strength,
         targets.friction_angle, sides,

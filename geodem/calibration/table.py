@@ -18,7 +18,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..laboratory.confined import CONFINED, LOW
 
 Floats = NDArray[np.float64]
 
@@ -55,6 +56,7 @@ MACRO = {
     "tension_ratio": "T/Tb, direct tensile strength over that of a bond",
     "strength_ratio": "R = UCS/T, uniaxial compressive over direct tensile strength",
     "friction_angle": "phi [rad], of the line through strengths between no confinement and half of UCS",
+    "low_friction_angle": "the same, of the line up to a tenth of UCS",
     "compression_ratio": "UCS/Tb; follows seed by seed from R and T/Tb where it is not given",
 }
 """What is measured."""
@@ -113,6 +115,15 @@ class MapTable:
     source: str = ""
     notes: Mapping[str, Any] = field(default_factory=dict)
 
+    def up_to(self, confinement: float) -> MapTable:
+        """The same with friction angles of the line up to a confinement, given over the compressive strength [-].
+
+        Straight in the logarithm of the confinement through the two that were measured, each seed by itself. Rows
+        without the lower one stay as they are.
+        """
+        weight = math.log(CONFINED / confinement) / math.log(CONFINED / LOW)
+        return replace(self, rows=tuple(_at_confinement(row, weight) for row in self.rows))
+
     def micro(self, name: str) -> Floats:
         """A micro-parameter of every row."""
         return np.array([row.micro.get(name, DEFAULTS.get(name, math.nan)) for row in self.rows])
@@ -125,6 +136,17 @@ class MapTable:
             kept = {seed: value for seed, value in values if math.isfinite(value)}
             found.append({seed: to_scale(name, value) for seed, value in kept.items()})
         return found
+
+
+def _at_confinement(row: MapRow, weight: float) -> MapRow:
+    macro = dict(row.macro)
+    low = macro.pop("low_friction_angle", None)
+    if low is not None:
+        macro["friction_angle"] = tuple(
+            (1.0 - weight) * high + weight * other
+            for high, other in zip(macro["friction_angle"], low, strict=True)
+        )
+    return replace(row, macro=macro)
 
 
 def to_scale(name: str, value: float) -> float:

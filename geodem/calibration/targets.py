@@ -6,10 +6,17 @@ import math
 from dataclasses import dataclass, fields
 
 from ..errors import InputError
+from ..laboratory.confined import CONFINED
 from ..units import show
 
 LARGEST_FRICTION = math.radians(65.0)
 """Of intact rock [rad]: granite at low confinement comes to 60 deg."""
+
+OPTIONAL = ("friction_confinement",)
+"""What need not be given."""
+
+LEAST_CONFINEMENT = 0.02
+"""Of the compressive strength: below it the scatter of the strengths hides what friction adds."""
 
 LARGEST_RATIO = 60.0
 """Of uniaxial compressive over direct tensile strength [-]: 0.81 mi + 7 is 36 for the largest mi of Hoek's table."""
@@ -27,6 +34,7 @@ _DIMENSIONS = {
     "uniaxial_compressive_strength": "stress",
     "tensile_strength": "stress",
     "friction_angle": "angle",
+    "friction_confinement": "stress",
     "poisson_ratio": "dimensionless",
 }
 
@@ -49,7 +57,10 @@ class RockTargets:
         Of a direct tension test [Pa]; that is 0.9 (metamorphic), 0.8 (igneous) or 0.7 (sedimentary rock) of a Brazilian
         test's (Perras & Diederichs 2014).
     friction_angle : float
-        Of the straight line through the strengths between no confinement and half the compressive strength [rad].
+        Of the straight line through the strengths between no confinement and `sides` [rad].
+    friction_confinement : float
+        The confinement [Pa] up to which that line was laid; where it is not given, half the compressive strength. Rock
+        is steeper at low confinement: an angle says little without it.
 
     NaN stands for what is not given; `check_targets` tells it.
     """
@@ -60,6 +71,14 @@ class RockTargets:
     uniaxial_compressive_strength: float = math.nan
     tensile_strength: float = math.nan
     friction_angle: float = math.nan
+    friction_confinement: float = math.nan
+
+    @property
+    def sides(self) -> float:
+        """Confinement of the test that gives the friction angle [Pa]."""
+        if math.isnan(self.friction_confinement):
+            return CONFINED * self.uniaxial_compressive_strength
+        return self.friction_confinement
 
     @property
     def strength_ratio(self) -> float:
@@ -120,6 +139,8 @@ def contradictions(targets: RockTargets, *, place: str = "rock") -> list[InputEr
         value = getattr(targets, field.name)
         where = f"{place}.{field.name}"
         if math.isnan(value):
+            if field.name in OPTIONAL:
+                continue
             found.append(InputError(where, "missing", _EXAMPLES[field.name]))
         elif not (math.isfinite(value) and value > 0.0):
             problem = "this must be a finite number greater than 0"
@@ -139,7 +160,25 @@ def contradictions(targets: RockTargets, *, place: str = "rock") -> list[InputEr
         given.discard("friction_angle")
     if {"tensile_strength", "uniaxial_compressive_strength"} <= given:
         found += _strengths(targets, "friction_angle" in given, place)
+    if {"friction_confinement", "uniaxial_compressive_strength"} <= given:
+        found += _confinement(targets, place)
     return found
+
+
+def _confinement(targets: RockTargets, place: str) -> list[InputError]:
+    """A confinement of the friction angle that tells nothing, or is beyond what breaks by cracks."""
+    compression, sides = targets.uniaxial_compressive_strength, targets.friction_confinement
+    low, high = LEAST_CONFINEMENT * compression, compression
+    if low <= sides <= high:
+        return []
+    problem = (
+        "so little adds less than specimens scatter"
+        if sides < low
+        else "this is above the compressive strength"
+    )
+    remedy = f"Give {show(low, 'stress')} to {show(high, 'stress')}, or leave it out for half the strength"
+    value = targets.shown("friction_confinement")
+    return [InputError(f"{place}.friction_confinement", problem, remedy, value=value)]
 
 
 def _strengths(targets: RockTargets, friction: bool, place: str) -> list[InputError]:
@@ -194,7 +233,8 @@ def doubts(targets: RockTargets, *, place: str = "rock") -> list[InputError]:
         times = flow_number(friction)
         problem = f"no rock has so much: a pressure would add {times:.3g} times itself to the strength"
         remedy = (
-            "Granite at low confinement comes to 60 deg; fit the line up to half the compressive strength"
+            "Granite at low confinement comes to 60 deg; fit the line up to half the compressive strength, or say with "
+            "friction_confinement up to where it was fitted"
         )
         value = targets.shown("friction_angle")
         found.append(InputError(f"{place}.friction_angle", problem, remedy, value=value))
@@ -257,4 +297,5 @@ _EXAMPLES = {
     "uniaxial_compressive_strength": 'Write uniaxial_compressive_strength = "80 MPa"',
     "tensile_strength": 'Write tensile_strength = "6 MPa", of a direct tension test or 0.7 to 0.9 of the Brazilian one',
     "friction_angle": 'Write friction_angle = "45 deg", of strengths between 0 and half the compressive one',
+    "friction_confinement": 'Write friction_confinement = "20 MPa", or leave it out for half the compressive strength',
 }

@@ -54,6 +54,8 @@ class Trial:
         Strains at the peaks, see `measure_properties`.
     confinement : float or None
         Of the confined test [Pa].
+    lower : float or None
+        Of one more confined test, over the compressive strength that was measured.
     """
 
     material: BondedMaterial
@@ -61,6 +63,7 @@ class Trial:
     seed: int
     expected: Mapping[str, float]
     confinement: float | None = None
+    lower: float | None = None
 
     @property
     def key(self) -> str:
@@ -70,8 +73,9 @@ class Trial:
 
 Outcome = dict[str, Any]
 """What a trial gave: young_modulus [Pa], poisson_ratio, uniaxial_compressive_strength and tensile_strength [Pa],
-friction_angle [rad], and of the compression peak_strain, crack_initiation_stress, crack_damage_stress [Pa]; particles,
-steps; seconds, and those that went into compiling kernels; warnings."""
+friction_angle and, where it was asked for, low_friction_angle [rad], and of the compression peak_strain,
+crack_initiation_stress, crack_damage_stress [Pa]; particles, steps; seconds, and those that went into compiling
+kernels; warnings."""
 
 
 def run_trial(trial: Trial) -> Outcome:
@@ -82,8 +86,9 @@ def run_trial(trial: Trial) -> Outcome:
         o.dimension, width=o.width, across=o.across, size_ratio=o.size_ratio, shape=o.shape, seed=trial.seed
     )
     found = measure_properties(
-        specimen, trial.material, expected=dict(trial.expected), confinement=trial.confinement, pace=o.pace
-    )
+        specimen, trial.material, expected=dict(trial.expected), confinement=trial.confinement, lower=trial.lower,
+        pace=o.pace,
+    )  # fmt: skip
     pressed = found.records[1]
     compiled = compile_seconds() - before
     return {
@@ -93,6 +98,7 @@ def run_trial(trial: Trial) -> Outcome:
         "uniaxial_compressive_strength": found.compressive_strength,
         "tensile_strength": found.tensile_strength,
         "friction_angle": found.friction_angle,
+        **({} if trial.lower is None else {"low_friction_angle": found.low_friction_angle}),
         "confined_strength": found.records[2].strength,
         "confinement": found.records[2].numbers["confinement"],
         **{

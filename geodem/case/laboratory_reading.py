@@ -30,6 +30,7 @@ ROCK_DIMENSIONS = {
     "uniaxial_compressive_strength": "stress",
     "tensile_strength": "stress",
     "friction_angle": "angle",
+    "friction_confinement": "stress",
 }
 """Properties of a rock, and the kind of quantity that each is."""
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from geodem.calibration.targets import RockTargets
+import math
+
+from geodem.calibration.targets import OPTIONAL, RockTargets
 from geodem.case.bonded import exact, material_lines, number
 from geodem.case.laboratory import CalibrationCase, LaboratoryCase, SpecimenOptions
 from geodem.case.laboratory_reading import KINDS, ROCK_DIMENSIONS
@@ -45,7 +47,11 @@ def rock_lines(targets: RockTargets) -> list[str]:
     """The table [rock]."""
     return [
         "[rock]",
-        *(f"{key} = {number(getattr(targets, key), ROCK_DIMENSIONS[key])}" for key in ROCK_DIMENSIONS),
+        *(
+            f"{key} = {number(getattr(targets, key), kind)}"
+            for key, kind in ROCK_DIMENSIONS.items()
+            if not (key in OPTIONAL and math.isnan(getattr(targets, key)))
+        ),
     ]
 
 

@@ -173,7 +173,7 @@ def _read_calibrated(top: Table) -> Calibrated | None:
 
 
 def _read_targets(table: Table) -> RockTargets:
-    known = {"density": "density", **PROPERTIES}
+    known = {"density": "density", **PROPERTIES, "friction_confinement": "stress"}
     inner = table.sub("targets", tuple(known), example="[calibration.targets]")
     found = {}
     if inner is not None:
@@ -215,7 +215,7 @@ def _calibrated_lines(found: Calibrated) -> list[str]:
     if found.remarks:
         lines.append("remarks = [\n" + "".join(f"  {quoted(remark)},\n" for remark in found.remarks) + "]")
     lines += ["", "[calibration.targets]"]
-    for name, dimension in {"density": "density", **PROPERTIES}.items():
+    for name, dimension in {"density": "density", **PROPERTIES, "friction_confinement": "stress"}.items():
         value = getattr(found.targets, name)
         if math.isfinite(value):
             lines.append(f"{name} = {number(value, dimension)}")

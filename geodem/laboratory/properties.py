@@ -7,14 +7,12 @@ from dataclasses import dataclass
 
 from . import pace as paces
 from .axial import compress, pull
+from .confined import CONFINED
 from .envelope import fit_envelope
 from .material import BondedMaterial
 from .record import TestRecord
 from .rig import STEP
 from .specimen import Specimen
-
-CONFINED = 0.2
-"""Confinement of the test that gives the friction, over the compressive strength."""
 
 FALL = 0.85
 """Share of the peak at which a test ends whose curve beyond the peak is not asked for."""
@@ -30,7 +28,9 @@ class Properties:
         Of the middle of the specimen, by one elastic solve. In 2D those of a plate: plane stress.
     compressive_strength, tensile_strength : float [Pa]
     friction_angle : float
-        Of the straight envelope between no confinement and `CONFINED` of the compressive strength [rad].
+        Of the straight envelope between no confinement and that of the confined test [rad].
+    low_friction_angle : float
+        The same up to the lower confinement [rad]; nan where none was asked for.
     records : tuple of TestRecord
     """
 
@@ -39,6 +39,7 @@ class Properties:
     compressive_strength: float
     tensile_strength: float
     friction_angle: float
+    low_friction_angle: float
     records: tuple[TestRecord, ...]
 
     @property
@@ -53,6 +54,7 @@ def measure_properties(
     *,
     expected: dict[str, float] | None = None,
     confinement: float | None = None,
+    lower: float | None = None,
     pace: float = paces.PACE,
     time_share: float = STEP,
 ) -> Properties:
@@ -66,6 +68,8 @@ def measure_properties(
         Axial strains at the peaks by "compression", "tension", "confined": what is missing is found by pilots.
     confinement : float, optional
         Of the confined test [Pa]; `CONFINED` of the measured compressive strength where it is left out.
+    lower : float, optional
+        Of one more confined test, over the measured compressive strength [-].
     pace, time_share : float
         See `compress`.
 
@@ -94,16 +98,25 @@ def measure_properties(
     sides = confinement if confinement is not None else CONFINED * pressed.strength
     guess = known.get("confined")
     if guess is None and math.isfinite(pressed.numbers["peak_strain"]):
-        # it is farther the more friction there is: with 45 degrees about three times
-        guess = 3.0 * pressed.numbers["peak_strain"]
-    confined = pressed_at(sides, guess)
-    line = fit_envelope([0.0, sides], [pressed.strength, confined.strength])
+        # it is farther the more friction there is: of sandstone and granite about six times
+        guess = 6.0 * pressed.numbers["peak_strain"]
+    records = [pulled, pressed, pressed_at(sides, guess)]
+    frictions = [_friction(pressed, records[-1])]
+    if lower is not None:
+        records.append(pressed_at(lower * pressed.strength, None if guess is None else 0.5 * guess))
+        frictions.append(_friction(pressed, records[-1]))
     numbers = pressed.numbers
     return Properties(
         numbers["young_modulus"],
         numbers["poisson_ratio"],
         pressed.strength,
         pulled.strength,
-        line.friction_angle,
-        (pulled, pressed, confined),
+        frictions[0],
+        frictions[1] if lower is not None else math.nan,
+        tuple(records),
     )
+
+
+def _friction(pressed: TestRecord, confined: TestRecord) -> float:
+    sides = confined.numbers["confinement"]
+    return fit_envelope([0.0, sides], [pressed.strength, confined.strength]).friction_angle

@@ -16,7 +16,6 @@ from typing import Any
 from geodem.calibration.fit import Calibration, calibrate
 from geodem.calibration.targets import RockTargets
 from geodem.calibration.trial import Outcome, SpecimenOptions, Trial, peaks_of, run_trials
-from geodem.laboratory.properties import CONFINED
 
 from ..results_file import FOLDER
 from .rocks import read_rocks, targets_of
@@ -83,7 +82,9 @@ def rows_of(name: str, rock: dict[str, Any], dimension: int) -> list[Row]:
     for quantity, bound in BOUNDS.items():
         rows.append(_row(label, quantity, targets, outcomes, bound * (1 if dimension == 2 else 2), rock))
     for row in rows:
-        print(f"   {row.quantity}: {row.value:.5g}, {row.expected:.5g} wanted, {'good' if row.good else 'MISS'}")
+        print(
+            f"   {row.quantity}: {row.value:.5g}, {row.expected:.5g} wanted, {'good' if row.good else 'MISS'}"
+        )
     brittle = [o["peak_strain"] * o["young_modulus"] / o["uniaxial_compressive_strength"] for o in outcomes]
     print(f"   peak strain over UCS/E {sum(brittle) / len(brittle):.2f}, {found.texture}", flush=True)
     return rows
@@ -92,7 +93,7 @@ def rows_of(name: str, rock: dict[str, Any], dimension: int) -> list[Row]:
 def fresh(found: Calibration, workers: int) -> list[Outcome]:
     """Outcomes of specimens that the calibration has not seen."""
     targets = found.targets
-    sides = CONFINED * targets.uniaxial_compressive_strength
+    sides = targets.sides
     expected = peaks_of(
         targets.young_modulus, targets.uniaxial_compressive_strength, targets.tensile_strength,
         targets.friction_angle, sides,

@@ -19,6 +19,7 @@ DIMENSIONS = {
     "tensile_strength": "stress",
     "brazilian_strength": "stress",
     "friction_angle": "angle",
+    "friction_confinement": "stress",
     "hoek_brown_mi": "dimensionless",
 }
 
@@ -34,4 +35,4 @@ def read_rocks() -> dict[str, dict[str, Any]]:
 
 def targets_of(rock: dict[str, Any]) -> RockTargets:
     """The properties that a calibration aims at."""
-    return RockTargets(**{key: rock[key] for key in RockTargets.__dataclass_fields__})
+    return RockTargets(**{key: rock[key] for key in RockTargets.__dataclass_fields__ if key in rock})
