@@ -10,6 +10,14 @@ UNITS = {"poisson_ratio": "-", "friction_angle": "rad"}
 """Of the properties; the others are stresses [Pa]."""
 
 
+_EDGES = {
+    "stiffness_ratio": "kn/ks",
+    "shear_over_tension": "C/Tb",
+    "bond_friction": "tan(phi_b)",
+}
+"""Micro-parameters whose ends are told; that bonds without friction end the map is no news."""
+
+
 def calibration_entries(found: Calibration) -> dict[str, Any]:
     """Targets against what was come to, what cannot be had, and every round with its specimens."""
     return {
@@ -35,6 +43,12 @@ def calibration_entries(found: Calibration) -> dict[str, Any]:
 def statements(found: Calibration) -> list[str]:
     """What cannot be had, and which interval is not as narrow as it should be."""
     said = [str(miss) for miss in found.missed]
+    for name, value in found.edges.items():
+        if name in _EDGES and value > 0.0:
+            said.append(
+                f"{_EDGES[name]} = {value:.3g} stands at an end of the map: what was achieved is what was measured "
+                "there, and bonds beyond it were not tried"
+            )
     if not found.good:
         said.append(
             f"after {found.tests} specimens the intervals are not all as narrow as is wanted; more specimens or "

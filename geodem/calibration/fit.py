@@ -96,6 +96,8 @@ class Calibration:
         Names of `RockTargets`: the mean over specimens of the material, with its interval at 95 %.
     missed : tuple of Miss
         Properties that the map says cannot be had, with what is nearest.
+    edges : dict of str to float
+        Micro-parameters that stand at an end of what was measured: beyond it, other bonds might be nearer.
     rounds : tuple of Round
     texture : str
         Which of the maps: how far grains are bonded.
@@ -110,6 +112,7 @@ class Calibration:
     material: BondedMaterial
     achieved: Mapping[str, Estimate]
     missed: tuple[Miss, ...]
+    edges: Mapping[str, float]
     rounds: tuple[Round, ...]
     texture: str
     good: bool
@@ -272,8 +275,8 @@ def calibrate(
         if good:
             break
     return Calibration(
-        targets, options, material_of(fit, targets, name), fit.answers, fit.missed, tuple(tested), texture, good, seed,
-        time.perf_counter() - begun,
+        targets, options, material_of(fit, targets, name), fit.answers, fit.missed, surrogate.edges(fit.micro),
+        tuple(tested), texture, good, seed, time.perf_counter() - begun,
     )  # fmt: skip
 
 

@@ -35,6 +35,9 @@ sizes, other resolutions, other seeds."""
 REACH = 1.0
 """Distance, in half ranges of the map, over which a correction found at one point loses most of its hold."""
 
+EDGE = 1e-3
+"""In half ranges: nearer to an end of what was measured is at it."""
+
 POOLED = 3
 """Degrees of freedom from which on the scatter is that of the trials' own specimens."""
 
@@ -164,6 +167,12 @@ class Surrogate:
             own = place[list(variables)]
             found = max(found, float(np.linalg.norm(nearest_in_hull(points, own) - own)))
         return found if found > 1e-6 else 0.0
+
+    def edges(self, micro: Mapping[str, float]) -> dict[str, float]:
+        """Those micro-parameters that stand at an end of what was measured, and their values."""
+        place = self.place(micro)
+        at_end = dict(zip(self.variables, np.abs(place) > 1.0 - EDGE, strict=True))
+        return {name: float(micro[name]) for name, ended in at_end.items() if ended}
 
     def corrected(self, measured: Sequence[Measured]) -> Surrogate:
         """The same, drawn to what trials gave.
