@@ -54,8 +54,8 @@ ROCKS = {
         ),
         {"compression": 2.8e-3, "tension": 1.9e-4, "confined": 6.1e-3},
         11.5e6,
-        {10.0: 32, 15.0: 24, 20.0: 16, 30.0: 8, 40.0: 4, 60.0: 2},
-        (40.0, 85.0, 170.0, PACE, 2.0 * PACE),
+        {10.0: 24, 15.0: 16, 20.0: 16, 30.0: 8, 40.0: 4, 60.0: 3},
+        (85.0, 170.0, 0.5 * PACE, PACE, 2.0 * PACE),
     ),
     "granite": Rock(
         BondedMaterial.rock(
@@ -64,8 +64,8 @@ ROCKS = {
         ),
         {"compression": 5.1e-3, "tension": 1.85e-4, "confined": 1.8e-2},
         20e6,
-        {10.0: 24, 15.0: 16, 20.0: 16, 30.0: 6, 40.0: 3, 60.0: 2},
-        (40.0, 85.0, 170.0, PACE, 2.0 * PACE, 4.0 * PACE),
+        {10.0: 24, 15.0: 16, 20.0: 16, 30.0: 6, 40.0: 4},
+        (85.0, 170.0, 0.5 * PACE, PACE, 2.0 * PACE),
     ),
 }  # fmt: skip
 
@@ -236,13 +236,13 @@ def draw(answers: Mapping[Point, Answer]) -> bytes:
             friction = np.degrees([size.friction[:3] for size in found])
             _spread(last, at, friction, rock, look)
         for axes, words in (
-            (top, ("steps to the peak per particle of height", "compressive strength over that at 340")),
+            (top, ("steps to the peak per particle of height", "compressive strength over that at 680")),
             (left, ("particles across", "compressive strength over Tb")),
             (right, ("particles across", "tensile strength over Tb")),
             (last, ("particles across", "friction angle [deg]")),
         ):
             axes.set_xscale("log")
-            ticks = ROCKS["granite"].paces if axes is top else ROCKS["granite"].seeds
+            ticks = ROCKS["sandstone"].paces if axes is top else ROCKS["sandstone"].seeds
             axes.set_xticks(list(ticks), [f"{tick:g}" for tick in ticks])
             axes.minorticks_off()
             axes.set_xlabel(words[0])

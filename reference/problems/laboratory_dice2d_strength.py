@@ -20,7 +20,7 @@ from geodem.builders.assembly_builder import AssemblyBuilder
 from geodem.laboratory import axial
 from geodem.laboratory.envelope import Envelope, fit_envelope
 from geodem.laboratory.material import BondedMaterial
-from geodem.laboratory.pace import LOOKS, PACE
+from geodem.laboratory.pace import LOOKS
 from geodem.laboratory.record import TestRecord
 from geodem.laboratory.rig import DAMPING, even_density
 from geodem.laboratory.specimen import Specimen, make_specimen
@@ -28,6 +28,7 @@ from geodem.particle_simulation import ParticleSimulation
 
 from .laboratory_dice2d_specimens import UNIT, Floats, material
 from .laboratory_dice2d_tension import DENSE, LOOSE, SEEDS, SIZE
+from .laboratory_points import FAST
 from .rows import Row, at_most, relative
 
 FEW_SEEDS = SEEDS[:3]
@@ -92,15 +93,15 @@ def of_record(record: TestRecord) -> Outcome:
 
 def pull(specimen: Specimen, made_of: BondedMaterial) -> Outcome:
     """Direct tension."""
-    return of_record(axial.pull(specimen, made_of))
+    return of_record(axial.pull(specimen, made_of, pace=FAST))
 
 
 def compress(specimen: Specimen, made_of: BondedMaterial) -> Outcome:
     """Uniaxial compression."""
-    return of_record(axial.compress(specimen, made_of))
+    return of_record(axial.compress(specimen, made_of, pace=FAST))
 
 
-def split(specimen: Specimen, made_of: BondedMaterial, pace: float = 2.0 * PACE) -> Outcome:
+def split(specimen: Specimen, made_of: BondedMaterial, pace: float = 2.0 * FAST) -> Outcome:
     """A disc between two plane walls, as in the text, and not the laboratory's curved jaws; 2 F/(pi D) at the peak.
 
     The walls come from where they touch the first discs, smooth and as stiff as the discs. Jaws of 10 degrees would
@@ -301,7 +302,7 @@ class Confined(NamedTuple):
 
 def press(specimen: Specimen, made_of: BondedMaterial, pressure: float) -> float:
     """Largest axial stress under a pressure on the sides [Pa]; nan where there was no peak."""
-    record = axial.compress(specimen, made_of, confinement=pressure)
+    record = axial.compress(specimen, made_of, confinement=pressure, pace=FAST)
     return record.strength if record.failed else math.nan
 
 

@@ -38,6 +38,7 @@ from .laboratory_dice2d_specimens import (
     triangular,
 )
 from .laboratory_elastic import pressed_discs
+from .laboratory_points import FAST
 from .rows import Row, at_most, relative
 
 SMALL, LARGE = (10, 10), (20, 40)  # discs in the longest rows, rows: 95 and 780
@@ -91,7 +92,7 @@ def torn(specimen: Specimen, made_of: BondedMaterial) -> Torn:
     """Pull until it breaks, and solve for the first break."""
     rig = Rig(specimen, made_of)
     rig.begin(-1e-15)
-    record = pull(specimen, made_of)
+    record = pull(specimen, made_of, pace=FAST)
     first = rig.first_break * rig.modulus
     return Torn(
         record.strength / UNIT, first / UNIT, record.cracks.tension, record.cracks.shear, record.failed,

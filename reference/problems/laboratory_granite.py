@@ -28,6 +28,7 @@ from geodem.laboratory.specimen import Specimen
 from geodem.particle_statics import displace, find_equilibrium
 
 from .laboratory_granite_packing import Cell, contact_factor, disc, packed, prism
+from .laboratory_points import FAST, in_processes
 from .rows import Row, relative
 
 WIDTH = 31.7e-3  # [m]
@@ -122,10 +123,10 @@ def measured(rock: Granite, seed: int) -> Measured:
     # roughly where the published strengths lie: this only sets the rates
     compressed = 1.1 * rock.compressive_strength / rock.young_modulus
     pulled = rock.brazilian_strength / rock.young_modulus
-    free = compress(specimen, granite, expected_strain=compressed)
-    confined = compress(specimen, granite, confinement=SIDES, expected_strain=1.1 * compressed)
-    tension = pull(specimen, granite, expected_strain=pulled)
-    splitting = split(disc(cell, seed), granite, expected_displacement=0.8 * pulled * WIDTH)
+    free = compress(specimen, granite, expected_strain=compressed, pace=FAST)
+    confined = compress(specimen, granite, confinement=SIDES, expected_strain=1.1 * compressed, pace=FAST)
+    tension = pull(specimen, granite, expected_strain=pulled, pace=FAST)
+    splitting = split(disc(cell, seed), granite, expected_displacement=0.8 * pulled * WIDTH, pace=FAST)
     young, poisson = elastic(specimen, granite, 0.5 * free.strength / rock.young_modulus)
     before = free.numbers["tension_cracks_at_peak"], free.numbers["shear_cracks_at_peak"]
     return Measured(
@@ -133,6 +134,11 @@ def measured(rock: Granite, seed: int) -> Measured:
         splitting.strength, splitting.numbers["crushing"], before[0] / sum(before),
         free.numbers["crack_initiation_stress"] / free.strength, time.perf_counter() - begun,
     )  # fmt: skip
+
+
+def measured_of(asked: tuple[Granite, int]) -> Measured:
+    """The same, of a rock and a seed in one."""
+    return measured(*asked)
 
 
 def rows(rock: Granite, found: list[Measured]) -> list[Row]:
@@ -183,7 +189,7 @@ def rows(rock: Granite, found: list[Measured]) -> list[Row]:
 
 def rows_of(rock: Granite, seeds: tuple[int, ...]) -> list[Row]:
     """Rows of the specimens of these seeds."""
-    return rows(rock, [measured(rock, seed) for seed in seeds])
+    return rows(rock, in_processes(measured_of, [(rock, seed) for seed in seeds]))
 
 
 def run() -> list[Row]:

@@ -17,7 +17,7 @@ from geodem.laboratory.properties import measure_properties
 from geodem.laboratory.specimen import make_specimen
 
 from ..results_file import store_rows
-from .laboratory_points import Mean, in_processes
+from .laboratory_points import FAST, Mean, in_processes
 from .rows import Row, at_most, relative
 
 MODULUS, STRENGTH, KAPPA, RESIDUAL = 30e9, 8e6, 2.5, 0.5
@@ -118,7 +118,7 @@ class Figures(NamedTuple):
 def characterise(asked: tuple[Law, int, float, int]) -> Figures:
     """All of it, of a law on the specimen with a seed, so many particles across, of a dimension."""
     law, seed, across, dimension = asked
-    found = measure_properties(make_specimen(dimension, across=across, seed=seed), law.material)
+    found = measure_properties(make_specimen(dimension, across=across, seed=seed), law.material, pace=FAST)
     _, pressed, confined = found.records
     n = pressed.numbers
     line = fit_envelope([0.0, confined.numbers["confinement"]], [pressed.strength, confined.strength])
