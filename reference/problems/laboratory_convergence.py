@@ -151,6 +151,7 @@ class Size(NamedTuple):
 
     across: float
     strengths: Mapping[str, Mean]
+    young: Mean
     friction: Mean
     seconds: float
 
@@ -167,23 +168,38 @@ def sizes(rock: str, answers: Mapping[Point, Answer]) -> list[Size]:
         ]
         means = {kind: Mean.of(answers[p].strength for p in points) for kind, points in of.items()}
         spent = sum(seconds(answers, points) for points in of.values())
-        found.append(Size(across, means, Mean.of(frictions), spent))
+        young = Mean.of(answers[p].young for p in of["compression"])
+        found.append(Size(across, means, young, Mean.of(frictions), spent))
     return found
 
 
 def size_rows(rock: str, answers: Mapping[Point, Answer]) -> list[Row]:
-    """Strengths and friction against those of the finest specimens."""
+    """Modulus, strengths and friction against those of the finest specimens.
+
+    The modulus and the friction are to be the same. A specimen fails where it is weakest, and a larger one has more
+    such places: strengths may fall as those of rock do.
+    """
     *coarser, finest = sizes(rock, answers)
     rows = []
     for size in coarser:
         name = f"{rock}, {size.across:g} across"
-        for kind, word in (("compression", "compressive"), ("tension", "tensile")):
-            mean, end = size.strengths[kind], finest.strengths[kind]
+        weaker = (finest.across / size.across) ** EXPONENT - 1.0
+        for quantity, mean, end, bound, source in (
+            ("Young's modulus", size.young, finest.young, 0.05, OURS),
+            (
+                "compressive strength",
+                size.strengths["compression"],
+                finest.strengths["compression"],
+                weaker,
+                ROCK,
+            ),
+            ("tensile strength", size.strengths["tension"], finest.strengths["tension"], weaker, ROCK),
+        ):
             value = mean.value / end.value
             error = value * math.hypot(mean.error / mean.value, end.error / end.value)
-            quantity = f"{word} strength over that with {finest.across:g} across"
+            told = f"{quantity} over that with {finest.across:g} across"
             ratio = Mean(value, mean.deviation / mean.value, error, mean.number)
-            rows.append(_ratio(name, quantity, ratio, 0.05, size.seconds))
+            rows.append(_ratio(name, told, ratio, bound, size.seconds, source))
         mean, end = size.friction, finest.friction
         apart = math.degrees(mean.value - end.value)
         error = math.degrees(math.hypot(mean.error, end.error))
@@ -198,10 +214,15 @@ def size_rows(rock: str, answers: Mapping[Point, Answer]) -> list[Row]:
 
 OURS = "bound ours"
 
+EXPONENT = 0.18
+"""Strengths of rock fall with the size to this power (Hoek & Brown 1980)."""
 
-def _ratio(name: str, quantity: str, ratio: Mean, bound: float, spent: float) -> Row:
+ROCK = "bound: rock falls with the size to the power 0.18 (Hoek & Brown 1980)"
+
+
+def _ratio(name: str, quantity: str, ratio: Mean, bound: float, spent: float, source: str = OURS) -> Row:
     about = f"; deviation {100.0 * ratio.deviation:.2g} %, error {100.0 * ratio.error:.2g} %, {ratio.number} specimens"
-    return Row(name, quantity + about, ratio.value, 1.0, ratio.value - 1.0, bound, spent, OURS)
+    return Row(name, quantity + about, ratio.value, 1.0, ratio.value - 1.0, bound, spent, source)
 
 
 def seconds(answers: Mapping[Point, Answer], points: list[Point]) -> float:

@@ -30,7 +30,7 @@ def compressed(seed: int, pace: float = 340.0) -> TestRecord:
 
 @cache
 def pulled(seed: int) -> TestRecord:
-    return pull(make_specimen(2, across=12, seed=seed), MATERIAL, expected_strain=NEAR)
+    return pull(make_specimen(2, across=12, seed=seed), MATERIAL, expected_strain=NEAR, pace=340.0)
 
 
 def test_record_is_whole():
@@ -81,7 +81,7 @@ def test_half_the_rate_hardly_changes_the_peak():
 def test_pressure_on_the_sides_makes_it_stronger():
     specimen = make_specimen(2, across=12, seed=1)
     sides = 0.2 * compressed(1).strength
-    found = compress(specimen, MATERIAL, confinement=sides, expected_strain=3.0 * FAR)
+    found = compress(specimen, MATERIAL, confinement=sides, expected_strain=3.0 * FAR, pace=340.0)
     assert found.kind == "triaxial-compression"
     slope = (found.strength - compressed(1).strength) / sides
     # Coulomb with 20 to 60 degrees
@@ -102,7 +102,7 @@ def test_what_never_fails_says_so():
 
 def test_same_specimen_gives_the_same_bits():
     first, second = compressed(1), compress(
-        make_specimen(2, across=12, seed=1), MATERIAL, expected_strain=FAR
+        make_specimen(2, across=12, seed=1), MATERIAL, expected_strain=FAR, pace=340.0
     )  # fmt: skip
     assert np.array_equal(first.curves["axial_stress"], second.curves["axial_stress"])
     assert np.array_equal(first.positions, second.positions)

@@ -64,16 +64,22 @@ def test_figures_off_their_bounds_are_told():
     assert all(row.good for row in convergence.figures(even))
     assert len(convergence.draw(even)) > 10_000
     slow = {
-        p: a._replace(strength=0.95 * a.strength) if p.pace == 680.0 and p.time_share == 0.7 else a
+        p: a._replace(strength=0.95 * a.strength)
+        if p.pace == 2.0 * convergence.PACE and p.time_share == convergence.STEP
+        else a
         for p, a in even.items()
     }
     bad = [row.quantity for row in convergence.figures(slow) if not row.good]
     assert len(bad) == 2
     assert all("half the rate" in quantity for quantity in bad)
-    coarse = {p: a._replace(strength=1.1 * a.strength) if p.across == 15.0 else a for p, a in even.items()}
+    coarse = {
+        p: a._replace(strength=1.4 * a.strength, young=1.1 * a.young) if p.across == 15.0 else a
+        for p, a in even.items()
+    }
     bad = [(row.name, row.quantity) for row in convergence.figures(coarse) if not row.good]
-    assert len(bad) == 4
-    assert all("15 across" in name and "strength" in quantity for name, quantity in bad)
+    assert len(bad) == 8  # modulus, two strengths, friction of both rocks
+    assert all("15 across" in name for name, _ in bad)
+    assert sum("strength" in quantity for _, quantity in bad) == 4
 
 
 def test_without_moments_the_strength_ratio_rises():
@@ -102,7 +108,15 @@ def test_laws_are_what_their_labels_say():
 
 def test_a_law_off_its_bounds_is_told():
     def figures(law: laws.Law, seed: int) -> laws.Figures:
-        ratio = 4.4 if "beta 1" in law.label else 26.0 if law is laws.GRANITE else 4.9 if law is laws.SOFT else 12.0
+        ratio = (
+            4.4
+            if "beta 1" in law.label
+            else 26.0
+            if law is laws.GRANITE
+            else 4.9
+            if law is laws.SOFT
+            else 12.0
+        )
         angle = math.radians(56.0 if law is laws.GRANITE else 24.0 if law is laws.SOFT else 40.0)
         return laws.Figures(
             25e9, 0.2, 5e6, ratio * 5e6, ratio + 0.01 * seed, angle, 20.0, 1.2, 0.4, 0.8, 0.2, 0.01, 1.0
