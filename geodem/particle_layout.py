@@ -103,8 +103,8 @@ def first_rows(assembly: Assembly, ids: NDArray[np.int64]) -> Floats:
     return rows
 
 
-def row_arrays(assembly: Assembly, ids: NDArray[np.int64]) -> RowArrays:
-    """What steps read, in the order of the rows.
+def row_arrays(assembly: Assembly, ids: NDArray[np.int64], *, applied: bool) -> RowArrays:
+    """What steps read, in the order of the rows; `applied`: forces are or will be applied.
 
     Raises InputError where a particle has several anchors.
     """
@@ -120,14 +120,13 @@ def row_arrays(assembly: Assembly, ids: NDArray[np.int64]) -> RowArrays:
         of_particle = np.full(assembly.particles, -1, dtype=np.int32)
         of_particle[assembly.anchors.particle] = np.arange(len(assembly.anchors.particle))
         anchor_of = of_particle[ids]
-    some = assembly.applied.any()
     return RowArrays(
         ids=ids,
         inverse_mass=1.0 / assembly.mass[ids],
         inverse_inertia=1.0 / assembly.inertia[ids],
         held=(assembly.held[ids] @ bits).astype(np.uint8),
         applied=np.ascontiguousarray(assembly.applied[ids])
-        if some
+        if applied
         else np.zeros((1, assembly.held.shape[1])),
         anchor_of=anchor_of,
     )

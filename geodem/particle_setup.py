@@ -114,7 +114,9 @@ def parameter_tables(assembly: Assembly, beta: float) -> tuple[Floats, Floats, F
     return contact_table, bond_table, wall_table
 
 
-def scene_features(s: ParticleSimulation, *, energy: bool, orientation: bool, convention: str) -> Features:
+def scene_features(
+    s: ParticleSimulation, *, energy: bool, orientation: bool, applied: bool, convention: str
+) -> Features:
     """What the scene of a simulation has, so that nothing else is compiled in."""
     a = s.assembly
     contact, bond = Features(s.dimension, a.contact_law, a.bond_law).laws()
@@ -138,7 +140,7 @@ def scene_features(s: ParticleSimulation, *, energy: bool, orientation: bool, co
         rotation=turns and (shear or moment or bool(a.applied[:, d:].any()) or bool(a.spins.any())),
         orientation=orientation,
         gravity=bool(a.gravity.any()),
-        applied=bool(a.applied.any()),
+        applied=applied or bool(a.applied.any()),
         held=bool(a.held.any()),
         anchors=a.anchors is not None,
         walls=bool(a.walls),

@@ -88,6 +88,8 @@ class ParticleSimulation(ParticleReading):
         Keep the energy account.
     orientation : bool, optional
         Keep angles (2D, the default there) or quaternions (3D).
+    applied : bool
+        Forces will be applied to particles while it runs (`arrays.applied`), though the assembly has none.
     sleep : Sleep, optional
         Skip what is at rest; nothing sleeps where it is left out.
     buffer : float, optional
@@ -113,6 +115,7 @@ class ParticleSimulation(ParticleReading):
         stiffness_damping: float = 0.0,
         energy: bool = False,
         orientation: bool | None = None,
+        applied: bool = False,
         sleep: Sleep | None = None,
         buffer: float | None = None,
         convention: str = "geodem",
@@ -133,11 +136,13 @@ class ParticleSimulation(ParticleReading):
         tables = parameter_tables(assembly, stiffness_damping)
         self.table, self.bond_table, self.wall_parameters = tables
         orientation = self.dimension == 2 if orientation is None else orientation
-        self.features = scene_features(self, energy=energy, orientation=orientation, convention=convention)
+        self.features = scene_features(
+            self, energy=energy, orientation=orientation, applied=applied, convention=convention
+        )
         self.layout = self.features.layout()
 
         ids = first_order(assembly)
-        self.arrays = row_arrays(assembly, ids)
+        self.arrays = row_arrays(assembly, ids, applied=self.features.applied)
         self.rows = first_rows(assembly, ids)
         self.phase = 0
         self.angle = np.zeros((n if orientation else 1, 1 if self.dimension == 2 else 4))

@@ -92,7 +92,10 @@ class Driven:
                 build.hold(self.driven[:, axis], **{AXES[axis]: 0.0})
         if load is not None:
             build.apply(np.arange(len(radii)), force=load)
-        self.simulation = s = ParticleSimulation(build.build(), local_damping=DAMPING, orientation=False)
+        # every test asks for applied forces, so that all share one kernel: its compilation takes longer than a test
+        self.simulation = s = ParticleSimulation(
+            build.build(), local_damping=DAMPING, orientation=False, applied=True
+        )
         s.time_step = s.span = time_share * s.critical_time_step
         self.start = s.positions
         joined = joined_to_most(s)

@@ -111,10 +111,13 @@ class Rig:
             build.hold(ids, **{AXES[d - 1]: 0.0})
         self.sides = Confinement(float(along.min()), float(along.max()), float(radii.min()), d)
         if confinement:
-            # compiled in from the start; the place of the forces is looked up again and again
+            # the place of the forces is looked up again and again
             load = confinement * self.sides.loads(positions, radii, np.ones(len(radii), bool))
             build.apply(np.arange(len(radii)), force=load[:, :d], torque=load[:, d:])
-        self.simulation = s = ParticleSimulation(build.build(), local_damping=DAMPING, orientation=False)
+        # whether pressed on the sides or not: both share one kernel, whose compilation takes longer than a test
+        self.simulation = s = ParticleSimulation(
+            build.build(), local_damping=DAMPING, orientation=False, applied=True
+        )
         s.time_step = s.span = time_share * s.critical_time_step
         self.start = s.positions
         self.length = float(along[self.upper].mean() - along[self.lower].mean())
