@@ -345,6 +345,6 @@ def _thin_remarks(body: Body, filling: BodyFilling, mean: float) -> Sequence[str
         if across < ACROSS:
             remarks.append(
                 f"{name} is about {across:.1f} particles across, too few for its own deformation: "
-                f"take particles smaller by {ACROSS / across:.1f}."
+                f"take particles {ACROSS / across:.1f} times smaller."
             )
     return remarks
