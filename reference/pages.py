@@ -15,6 +15,7 @@ from pathlib import Path
 from statistics import fmean, median
 from typing import Any
 
+from reference.pages_bodies import body_sections
 from reference.pages_compare import COMPARED, compared_sections
 from reference.pages_engine import PICTURE as ENGINE_PICTURE
 from reference.pages_engine import SECTIONS, engine_part, write_engine_picture
@@ -167,6 +168,7 @@ def verification_page(
         parts.append(NOT_RUN.format(name="ground", command="python -m reference run ground") + "\n")
     else:
         parts += [_header(ground), _ground(ground.rows)]
+    parts += body_sections(particles, _header, NOT_RUN)
     parts += particle_sections(particles, _header, NOT_RUN)
     parts += laboratory_sections(particles, _header, NOT_RUN)
     parts += compared_sections(particles, _header, NOT_RUN, compared)
