@@ -30,7 +30,7 @@ def element_sets(
             str(path), "its element blocks cannot be told apart", "Write it without *INCLUDE, or as .msh."
         )
     sections = {
-        found.get("elset"): found.get("material") for word, found in options if word.startswith("solid")
+        str(found.get("elset")): found.get("material") for word, found in options if word.startswith("solid")
     }
     # the reader's own sets of *ELEMENT blocks are mixed up where some blocks have no name
     members: dict[str, list[Whole]] = {}
@@ -40,18 +40,18 @@ def element_sets(
         rows = [np.asarray(part, dtype=np.int64).reshape(-1) for part in parts]
         members[name] = rows + [np.empty(0, dtype=np.int64)] * (len(blocks) - len(rows))
     own: dict[str, list[Whole]] = {}
-    for index, name in enumerate(of_block):
-        if name is not None:
-            own.setdefault(name, [np.empty(0, dtype=np.int64)] * len(blocks))[index] = np.arange(
+    for index, head in enumerate(of_block):
+        if head is not None:
+            own.setdefault(head, [np.empty(0, dtype=np.int64)] * len(blocks))[index] = np.arange(
                 len(blocks[index][1])
             )
     groups = [np.full(len(data), -1, dtype=np.int64) for _, data in blocks]
     for dimension in (1, 2, 3):
         mine = [k for k, (kind, _) in enumerate(blocks) if DIMENSION.get(kind) == dimension]
-        named = {name: name for name in (*members, *own)}
+        named: dict[str, str] = {name: name for name in (*members, *own)}
         trials = [members, own, {**own, **members}]
         if dimension == tops and sections:
-            named = {str(key): material or str(key) for key, material in sections.items()}
+            named = {key: material or key for key, material in sections.items()}
             trials = [{name: part for name, part in {**own, **members}.items() if name in sections}]
         for sets in trials:
             taken = {name: rows for name, rows in sets.items() if any(len(rows[k]) for k in mine)}
