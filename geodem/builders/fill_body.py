@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -17,22 +16,15 @@ from numpy.typing import NDArray
 
 from geodem.builders.body import OUTSIDE, Body
 from geodem.builders.body_filling import BodyFilling, few_remarks
-from geodem.builders.interactions import nearest
+from geodem.builders.body_pattern import Pattern, body_pattern, whole_number
 from geodem.builders.memory import refuse_too_large
-from geodem.builders.packings import Packing, lattice, volumes
-from geodem.builders.random_packing import Grading, random_packing
+from geodem.builders.packings import volumes
+from geodem.builders.random_packing import Grading
 from geodem.errors import InputError
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int32]
 
-ARRANGEMENTS = {
-    2: ("random", "square", "hexagonal", "pixel"),
-    3: ("random", "simple_cubic", "bcc", "fcc", "hcp", "pixel"),
-}
-PIXEL_LATTICE = {2: "square", 3: "simple_cubic"}
-TILE = {2: 3000, 3: 4000}
-"""Particles in the periodic box of a random arrangement."""
 TOLERANCE = 0.005
 """Of the represented size of every material, relative."""
 # positions of the arrangement are tried until all sizes are within this
@@ -50,16 +42,6 @@ class Grained(Protocol):
 
     def group_at(self, points: Floats) -> Integers:
         """Number of the grain at points (n, d) [m], -1 for none; (n,) int32."""
-        ...
-
-
-@runtime_checkable
-class Gridded(Protocol):
-    """A body of cells, which can have one particle each."""
-
-    @property
-    def spacing(self) -> Floats:
-        """Sides of a cell (d,) [m]."""
         ...
 
 
@@ -110,14 +92,16 @@ def fill_body(
     InputError
         An arrangement or size that cannot be; more particles than memory holds; a material that gets none.
     """
-    pattern = _pattern(body, arrangement, radius, particles, size_ratio, grading, solid_fraction, seed, tile)
+    pattern = body_pattern(
+        body, arrangement, radius, particles, size_ratio, grading, solid_fraction, seed, tile
+    )
     mean = float(volumes(pattern.radii, body.dimension).mean()) / pattern.solid_fraction
     expected = float(body.sizes.sum()) / mean
     refuse_too_large(body.dimension, int(expected), place="fill_body")
     fixed = arrangement == "pixel"
     start = 0.5 * np.asarray(pattern.unit)
     best: _Cut | None = None
-    for offset in _offsets(pattern.unit, 1 if fixed else _count("shifts", shifts)):
+    for offset in _offsets(pattern.unit, 1 if fixed else whole_number("shifts", shifts)):
         cut = _cut(body, pattern, start + offset)
         if best is None or cut.worst < best.worst:
             best = cut
@@ -144,131 +128,6 @@ def fill_body(
     return replace(filling, remarks=tuple(remarks))
 
 
-@dataclass(frozen=True)
-class _Pattern:
-    """A periodic arrangement: particles in a box, and the smallest box that repeats."""
-
-    positions: Floats
-    radii: Floats
-    box: Floats
-    unit: Floats
-    solid_fraction: float
-
-
-def _pattern(
-    body: Body,
-    arrangement: str,
-    radius: float | None,
-    particles: int | None,
-    size_ratio: float,
-    grading: Grading | None,
-    solid_fraction: float | None,
-    seed: int,
-    tile: int | None,
-) -> _Pattern:
-    dimension = body.dimension
-    if arrangement not in ARRANGEMENTS[dimension]:
-        raise InputError(
-            "fill_body, arrangement", f"there is no such arrangement in {dimension}D",
-            nearest(str(arrangement), list(ARRANGEMENTS[dimension])), value=arrangement,
-        )  # fmt: skip
-    size = float(body.sizes.sum())
-    if arrangement == "pixel":
-        if radius is not None or particles is not None or grading is not None:
-            raise InputError(
-                "fill_body", "an arrangement by pixels has the size of the cells", "Leave the radius out."
-            )
-        return _lattice_pattern(PIXEL_LATTICE[dimension], 0.5 * _cell_side(body))
-    given = [radius is not None, particles is not None, grading is not None]
-    if sum(given) != 1:
-        raise InputError(
-            "fill_body", "it takes one of radius, particles and grading", "Give for instance particles=10000."
-        )
-    if particles is not None:
-        particles = _count("particles", particles)
-    if radius is not None and not (np.isfinite(radius) and radius > 0.0):
-        raise InputError("fill_body, radius", "this is not a positive number", "Give metres.", value=radius)
-    if arrangement != "random":
-        if grading is not None:
-            raise InputError("fill_body, grading", "a lattice has equal particles", "Give a radius.")
-        if particles is not None:
-            share = size / particles * lattice(arrangement, 1.0, cells=(1,) * dimension).solid_fraction
-            radius = float((share / volumes(np.array(1.0), dimension)) ** (1.0 / dimension))
-        assert radius is not None
-        return _lattice_pattern(arrangement, radius)
-    most = TILE[dimension] if tile is None else _count("tile", tile)
-    curve, scale = None, radius
-    if grading is not None:
-        pairs = [(float(a), float(b)) for a, b in grading]
-        scale = pairs[-1][0] if pairs else 1.0
-        if not scale > 0.0:
-            raise InputError("fill_body, grading", "not all radii are positive", "Mend them.", value=grading)
-        curve = tuple((a / scale, b) for a, b in pairs)
-    packed = periodic_tile(dimension, most, float(size_ratio), curve, solid_fraction, seed)
-    if particles is not None:
-        mean = float(volumes(packed.radii, dimension).mean())
-        scale = float((size / particles * packed.solid_fraction / mean) ** (1.0 / dimension))
-    assert scale is not None
-    box = packed.box * scale
-    return _Pattern(packed.positions * scale, packed.radii * scale, box, box, packed.solid_fraction)
-
-
-@lru_cache(maxsize=8)
-def periodic_tile(
-    dimension: int,
-    count: int,
-    size_ratio: float,
-    grading: tuple[tuple[float, float], ...] | None,
-    solid_fraction: float | None,
-    seed: int,
-) -> Packing:
-    """A periodic random packing whose largest radius is 1 m; kept in memory for the next body."""
-    return random_packing(
-        dimension,
-        radius=1.0 if grading is None else None,
-        size_ratio=size_ratio,
-        grading=grading,
-        count=count,
-        solid_fraction=solid_fraction,
-        seed=seed,
-    )
-
-
-def _lattice_pattern(kind: str, radius: float) -> _Pattern:
-    dimension = 2 if kind in ARRANGEMENTS[2] else 3
-    unit = lattice(kind, radius, cells=(1,) * dimension)
-    # a block of cells: what is near in space is near in memory
-    block = lattice(kind, radius, cells=(16,) * 2 if dimension == 2 else (6,) * 3)
-    centred = block.positions + 0.5 * _free_side(unit)
-    return _Pattern(centred, block.radii, block.box, unit.box, unit.solid_fraction)
-
-
-def _free_side(unit: Packing) -> Floats:
-    """Side of the unit cell that no particle's centre stands in, so that half of it is left on either side."""
-    return np.asarray(unit.box - unit.positions.max(axis=0))
-
-
-def _cell_side(body: Body) -> float:
-    if not isinstance(body, Gridded):
-        raise InputError(
-            "fill_body, arrangement", "the body is not made of pixels or voxels", "Take another arrangement.",
-            value="pixel",
-        )  # fmt: skip
-    sides = np.asarray(body.spacing)
-    if not np.allclose(sides, sides[0], rtol=1e-9):
-        raise InputError(
-            "fill_body, arrangement", "the cells are not square or cubic", "Take another arrangement.",
-            value=sides.tolist(),
-        )  # fmt: skip
-    return float(sides[0])
-
-
-def _count(key: str, value: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
-        raise InputError(f"fill_body, {key}", "this is not a whole number from 1", "Mend it.", value=value)
-    return int(value)
-
-
 def _offsets(unit: Floats, count: int) -> Floats:
     """Shifts (count, d) [m] of the arrangement, 0 first, the others spread evenly over the repeating box."""
     dimension = len(unit)
@@ -288,7 +147,7 @@ class _Cut:
     worst: float
 
 
-def _cut(body: Body, pattern: _Pattern, offset: Floats) -> _Cut:
+def _cut(body: Body, pattern: Pattern, offset: Floats) -> _Cut:
     low, high = np.asarray(body.bounds, dtype=np.float64)
     # boxes start at or below the lower corner, wherever the shift puts them
     first = np.floor((-offset - pattern.box) / pattern.box)
@@ -314,7 +173,7 @@ def _cut(body: Body, pattern: _Pattern, offset: Floats) -> _Cut:
     return _Cut(np.concatenate(positions), sizes, kinds, float(worst))
 
 
-def _refuse_empty(body: Body, cut: _Cut, pattern: _Pattern) -> None:
+def _refuse_empty(body: Body, cut: _Cut, pattern: Pattern) -> None:
     count = np.bincount(cut.material, minlength=len(body.materials))
     for name, number, size in zip(body.materials, count, body.sizes, strict=True):
         if number == 0:
@@ -345,6 +204,6 @@ def _thin_remarks(body: Body, filling: BodyFilling, mean: float) -> Sequence[str
         if across < ACROSS:
             remarks.append(
                 f"{name} is about {across:.1f} particles across, too few for its own deformation: "
-                f"take particles smaller by {ACROSS / across:.1f}."
+                f"take particles {ACROSS / across:.1f} times smaller."
             )
     return remarks
