@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from .builders.filling import TooFewParticlesError
 from .builders.ground import GroundProperties, Surcharge, build_ground
 from .builders.particles import Particles, fill_section
 from .builders.section import Section
-from .case import Case, ImageSection, RegionSection
+from .case import Case, ImageSection, MeshSection, RegionSection, SectionOptions, TerrainSection
 from .errors import InputError
 from .measure.failing_zone import FailingZone
 from .model import Model
@@ -21,10 +20,13 @@ QUICK_TOLERANCE = 0.02
 
 
 def make_section(case: Case) -> Section:
-    """The section of a case, from its polygons or its picture."""
+    """The section of a case, from its polygons, its picture, its mesh or its terrain."""
     spec = case.section
     if isinstance(spec, RegionSection):
         return Section.from_polygons(spec.regions)
+    if isinstance(spec, MeshSection | TerrainSection):
+        return spec.section
+    assert isinstance(spec, ImageSection)
     from .builders.from_image import section_from_image
 
     return section_from_image(
@@ -54,11 +56,15 @@ def make_particles(
         `make_section(case)`.
     particles : int or None
     spacing : float or None [m]
-        Exactly one of the two.
+        Exactly one of the two; neither where the nodes of a mesh are the particles.
     focus : FailingZone, optional
         Where the particles are to lie closer.
     """
     spec = case.section
+    if isinstance(spec, MeshSection) and particles is None and spacing is None:
+        from .builders.from_mesh import particles_from_mesh
+
+        return particles_from_mesh(spec.mesh)
     return fill_section(
         section,
         particles=particles,
@@ -102,7 +108,10 @@ def quick(case: Case) -> Case:
     """A coarser version of a case, for a first look: about 1,000 particles, more where a thin seam needs them."""
     count = min(case.particles or QUICK_PARTICLES, QUICK_PARTICLES)
     tolerance = max(case.tolerance, QUICK_TOLERANCE)
-    coarse = replace(case, particles=count, spacing=None, tolerance=tolerance)
+    spec = case.section
+    if isinstance(spec, MeshSection):
+        spec = replace(spec, particles_on="polygons")
+    coarse = replace(case, particles=count, spacing=None, tolerance=tolerance, section=spec)
     section = make_section(coarse)
     why = ""
     for _ in range(3):
@@ -118,41 +127,37 @@ def quick(case: Case) -> Case:
 
 
 def portable_text(case: Case) -> str:
-    """The case as it is run, its picture named without a folder: as it stands in the folder of the results."""
-    spec = case.section
-    if isinstance(spec, ImageSection):
-        case = replace(case, section=replace(spec, image=Path(spec.image.name)))
-    return case.as_run_text()
+    """The case as it is run, its file named without a folder: as it stands in the folder of the results."""
+    return replace(case, section=case.section.beside()).as_run_text()
 
 
 def case_identity(case: Case) -> str:
-    """Hash of all that decides the result of a case: its values, and the content of its picture.
+    """Hash of all that decides the result of a case: its values, and the content of its file.
 
     Raises
     ------
     InputError
-        The picture is gone.
+        The file is gone.
     """
     digest = hashlib.sha256(portable_text(case).encode())
-    if isinstance(case.section, ImageSection):
-        digest.update(picture_bytes(case.section))
+    digest.update(source_bytes(case.section) or b"")
     return digest.hexdigest()
 
 
-def picture_bytes(spec: ImageSection) -> bytes:
-    """Content of the picture that a section was read from."""
+def source_bytes(spec: SectionOptions) -> bytes | None:
+    """Content of the picture, mesh or terrain that a section was read from; None where it has no file."""
+    if spec.file is None:
+        return None
     try:
-        return spec.image.read_bytes()
+        return spec.file.read_bytes()
     except OSError as error:
         raise InputError(
-            "section.image",
-            f"the picture cannot be read ({error.strerror})",
-            "Put it back.",
-            value=str(spec.image),
-        ) from error
+            f"section.{spec.key}", f"the file cannot be read ({error.strerror})", "Put it back.",
+            value=str(spec.file),
+        ) from error  # fmt: skip
 
 
-def _refinements(section: Section, spec: RegionSection | ImageSection) -> list[tuple[Any, float]]:
+def _refinements(section: Section, spec: SectionOptions) -> list[tuple[Any, float]]:
     from shapely import box, union_all
 
     chosen = []

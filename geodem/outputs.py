@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .analysis import Analysis
 from .builders.ground import downhill
-from .building import picture_bytes, portable_text
+from .building import portable_text, source_bytes
 from .case import ImageSection
 from .io.files import write_json, write_whole
 from .io.history import write_history
@@ -38,10 +38,11 @@ HISTORY_COLUMNS = (
 
 
 def write_case(analysis: Analysis, folder: Path) -> None:
-    """case.toml as it is run, and the picture it names beside it."""
+    """case.toml as it is run, and the picture, mesh or terrain it names beside it."""
     spec = analysis.case.section
-    if isinstance(spec, ImageSection):
-        copy, content = folder / spec.image.name, picture_bytes(spec)
+    content = source_bytes(spec)
+    if spec.file is not None and content is not None:
+        copy = folder / spec.file.name
         if not copy.exists() or copy.read_bytes() != content:
             write_whole(copy, content)
     write_whole(folder / "case.toml", portable_text(analysis.case))

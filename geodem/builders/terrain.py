@@ -45,12 +45,15 @@ class Terrain:
     spacing : (2,) float64 [m]
     remarks : tuple of str
         What was repaired when it was read.
+    degrees : (2, 2) float64, optional
+        Of a terrain that was given in degrees: longitude and latitude of x = y = 0, and metres of a degree of each.
     """
 
     elevation: Floats
     origin: Floats
     spacing: Floats
     remarks: tuple[str, ...] = ()
+    degrees: Floats | None = None
 
     @property
     def bounds(self) -> Floats:
@@ -70,6 +73,11 @@ class Terrain:
         low = z[i, j] * (1.0 - u) + z[i + 1, j] * u
         high = z[i, j + 1] * (1.0 - u) + z[i + 1, j + 1] * u
         return np.where(within, low * (1.0 - v) + high * v, np.nan)
+
+    def metres(self, points: ArrayLike) -> Floats:
+        """x and y (n, 2) [m] of places in the coordinates of the file, which are degrees or metres."""
+        given = np.asarray(points, dtype=np.float64)
+        return given if self.degrees is None else (given - self.degrees[0]) * self.degrees[1]
 
     def crop(self, low: ArrayLike, high: ArrayLike) -> Terrain:
         """The part between two corners (2,) [m], out to whole cells.

@@ -99,12 +99,14 @@ def terrain_from(
             f"{place}, spacing", "these are not two positive lengths", "Give the distance of the heights.",
             value=step.tolist(),
         )  # fmt: skip
-    remarks = []
+    remarks: list[str] = []
+    own: Floats | None = None
     if degrees:
         latitude = start[1] + 0.5 * step[1] * (heights.shape[1] - 1)
         if not abs(latitude) < 89.0:
             raise InputError(f"{place}, degrees", "this is no latitude", "Give metres.", value=latitude)
-        step *= degree_lengths(latitude)
+        own = np.stack([start, degree_lengths(latitude)])
+        step *= own[1]
         start = np.zeros(2)
         remarks.append(
             f"Degrees became metres at latitude {latitude:.4f} degrees: {step[0]:.3f} m by {step[1]:.3f} m a cell."
@@ -126,7 +128,7 @@ def terrain_from(
             )  # fmt: skip
         heights = _filled(heights)
         remarks.append(f"{count} heights were missing and filled from those around them.")
-    return Terrain(heights, start, step, tuple(remarks))
+    return Terrain(heights, start, step, tuple(remarks), own)
 
 
 def degree_lengths(latitude: float) -> Floats:

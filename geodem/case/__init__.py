@@ -10,6 +10,7 @@ from geodem.case.data import (
     Reference,
     Refinement,
     RegionSection,
+    SectionOptions,
     Surcharge,
 )
 from geodem.case.laboratory import CalibrationCase, LaboratoryCase
@@ -21,7 +22,9 @@ from geodem.case.laboratory_reading import (
     parse_laboratory,
 )
 from geodem.case.material_file import Calibrated, load_material, write_material
+from geodem.case.mesh_section import MeshSection
 from geodem.case.reading import load_case, parse_case
+from geodem.case.terrain_section import TerrainSection
 
 __all__ = [
     "METHODS",
@@ -33,10 +36,13 @@ __all__ = [
     "ImageSection",
     "LaboratoryCase",
     "Loads",
+    "MeshSection",
     "Reference",
     "Refinement",
     "RegionSection",
+    "SectionOptions",
     "Surcharge",
+    "TerrainSection",
     "load_any",
     "load_calibration",
     "load_case",

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-COMMANDS = {"slope": "geodem run", "laboratory": "geodem lab", "calibration": "geodem calibrate"}
+COMMANDS = {
+    "slope": "geodem run",
+    "laboratory": "geodem lab",
+    "calibration": "geodem calibrate",
+    "ground": "geodem run",
+}
 WORKFLOWS = tuple(COMMANDS)
 METHODS = ("strength-reduction", "gravity-increase")
 PACKINGS = ("random", "hexagonal")
@@ -40,7 +46,7 @@ class Refinement:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _SectionOptions:
+class SectionOptions:
     """What every kind of section has.
 
     Attributes
@@ -57,9 +63,31 @@ class _SectionOptions:
     thin: str = "refine"
     refine: tuple[Refinement, ...] = ()
 
+    key: ClassVar[str] = "regions"
+    """The key of [section] that names its file, or "regions"."""
+
+    @property
+    def materials(self) -> tuple[str, ...]:
+        """Materials in order of first appearance."""
+        raise NotImplementedError
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """Left, bottom, right, top [m]."""
+        raise NotImplementedError
+
+    @property
+    def file(self) -> Path | None:
+        """What it is read from."""
+        return None
+
+    def beside(self) -> SectionOptions:
+        """The same with its file named without a folder: as it stands in the folder of the results."""
+        return self
+
 
 @dataclass(frozen=True, eq=False)
-class RegionSection(_SectionOptions):
+class RegionSection(SectionOptions):
     """A section given by polygons; a later one lies over an earlier one.
 
     Attributes
@@ -84,7 +112,7 @@ class RegionSection(_SectionOptions):
 
 
 @dataclass(frozen=True)
-class ImageSection(_SectionOptions):
+class ImageSection(SectionOptions):
     """A section given by a picture, one colour a material.
 
     Attributes
@@ -112,6 +140,17 @@ class ImageSection(_SectionOptions):
     y_axis: str
     origin: Point
     pixels: tuple[int, int]
+
+    key: ClassVar[str] = "image"
+
+    @property
+    def file(self) -> Path:
+        """The picture."""
+        return self.image
+
+    def beside(self) -> ImageSection:
+        """The same with its picture named without a folder."""
+        return replace(self, image=Path(self.image.name))
 
     @property
     def materials(self) -> tuple[str, ...]:
@@ -213,7 +252,7 @@ class Case:
     workflow : str
     title : str
     particles : int or None
-        Number of particles asked for; None where `spacing` is given.
+        Number of particles asked for; None where `spacing` is given, or where the nodes of a mesh are the particles.
     spacing : float or None
         [m]
     packing : str
@@ -223,7 +262,8 @@ class Case:
     tolerance : float
         Width of [stable, failed] over the factor.
     seed : int
-    section : RegionSection or ImageSection
+    section : a kind of SectionOptions
+        Regions, a picture, a mesh or a terrain.
     boundary : Boundary
     loads : Loads
     materials : mapping of str to GroundMaterial
@@ -247,7 +287,7 @@ class Case:
     methods: tuple[str, ...]
     tolerance: float
     seed: int
-    section: RegionSection | ImageSection
+    section: SectionOptions
     boundary: Boundary
     loads: Loads
     materials: Mapping[str, GroundMaterial]

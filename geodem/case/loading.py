@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from geodem import units
-from geodem.case.data import SUPPORTS, Boundary, ImageSection, Loads, Point, RegionSection, Surcharge
+from geodem.case.data import SUPPORTS, Boundary, Loads, Point, SectionOptions, Surcharge
 from geodem.case.section import Coordinates, bounds_text
 from geodem.case.table import Table
 
@@ -44,7 +44,7 @@ def read_boundary(top: Table) -> Boundary:
     return boundary
 
 
-def read_loads(top: Table, coordinates: Coordinates, section: RegionSection | ImageSection | None) -> Loads:
+def read_loads(top: Table, coordinates: Coordinates, section: SectionOptions | None) -> Loads:
     """The loads; `section` (where it could be read) tells whether they lie on it."""
     table = top.sub("loads", ("horizontal_acceleration", "surcharge"), example="[loads]")
     findings = top.findings
@@ -74,7 +74,7 @@ def read_loads(top: Table, coordinates: Coordinates, section: RegionSection | Im
 
 
 def _surcharge(
-    row: Table, coordinates: Coordinates, section: RegionSection | ImageSection | None, example: str
+    row: Table, coordinates: Coordinates, section: SectionOptions | None, example: str
 ) -> Surcharge | None:
     ends: list[Point] = []
     for key in ("from", "to"):

@@ -11,15 +11,17 @@ from geodem.case.data import (
     PACKINGS,
     WORKFLOWS,
     Case,
-    ImageSection,
     Reference,
-    RegionSection,
+    SectionOptions,
 )
 from geodem.case.document import check_allowed, parse_document, read_allowed, read_text, refuse_other
 from geodem.case.loading import read_boundary, read_loads
 from geodem.case.material import check_names, read_materials
+from geodem.case.mesh_section import MeshSection
 from geodem.case.section import positive, read_section
+from geodem.case.source_files import unnamed
 from geodem.case.table import Findings, Table, join, listed, nearest
+from geodem.case.terrain_section import TerrainSection
 from geodem.errors import InputErrors
 
 KEYS = (
@@ -106,14 +108,23 @@ def parse_case(text: str, folder: Path) -> Case:
     if "seed" not in top:
         seed = DEFAULT_SEED
         findings.default("seed", str(seed))
-    section, coordinates = read_section(top, folder)
+    defined = top.content.get("material")
+    names = tuple(defined) if isinstance(defined, dict) else ()
+    section, coordinates = read_section(top, folder, names)
     boundary = read_boundary(top)
     loads = read_loads(top, coordinates, section)
     materials = read_materials(top)
-    defined = top.content.get("material")
-    check_names(
-        findings, _used_materials(document), tuple(defined) if isinstance(defined, dict) else (), materials
-    )
+    used = _used_materials(document)
+    if isinstance(section, MeshSection):
+        place = "section.mesh"
+        findings.errors += [
+            unnamed(place, name, section.materials, names) for name in section.materials if name not in names
+        ]
+        used += [(place, name) for name in section.materials if name in names]
+    elif isinstance(section, TerrainSection) and "layers" not in document["section"]:
+        used += [("section.terrain", name) for name in section.materials]
+    if section is not None or not {"mesh", "terrain"} & set(document.get("section") or ()):
+        check_names(findings, used, names, materials)
     if section is not None and spacing is not None:
         _check_spacing(findings, section, spacing)
     reference = _reference(top)
@@ -156,6 +167,15 @@ def _workflow(top: Table) -> str | None:
 
 def _resolution(top: Table) -> tuple[int | None, float | None]:
     findings = top.findings
+    section = top.content.get("section")
+    if isinstance(section, dict) and section.get("particles_on") == "nodes" and "mesh" in section:
+        for key in ("particles", "spacing"):
+            if key in top:
+                top.error(
+                    key, "the nodes of the mesh are the particles",
+                    f'Remove {key}, or write particles_on = "polygons".',
+                )  # fmt: skip
+        return None, None
     particles = top.integer("particles", smallest=3, remedy="Write a whole number such as 5000.")
     spacing = top.quantity("spacing", "length", check=positive)
     if "particles" in top and "spacing" in top:
@@ -174,7 +194,7 @@ def _resolution(top: Table) -> tuple[int | None, float | None]:
     return particles, spacing
 
 
-def _check_spacing(findings: Findings, section: RegionSection | ImageSection, spacing: float) -> None:
+def _check_spacing(findings: Findings, section: SectionOptions, spacing: float) -> None:
     left, bottom, right, top = section.bounds
     width, height = right - left, top - bottom
     shown = units.show(spacing, "length")
@@ -232,7 +252,7 @@ def _used_materials(document: dict[str, Any]) -> list[tuple[str, str]]:
     if not isinstance(section, dict):
         return []
     used = []
-    for key in ("regions", "refine"):
+    for key in ("regions", "refine", "layers"):
         rows = section.get(key)
         for index, row in enumerate(rows if isinstance(rows, list) else []):
             if isinstance(row, dict) and isinstance(row.get("material"), str) and row["material"].strip():

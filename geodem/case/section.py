@@ -1,4 +1,4 @@
-"""The section of a case: regions or a picture, with its refinement, to metres."""
+"""The section of a case: regions, a picture, a mesh or a terrain, with its refinement, to metres."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ from typing import Any
 import numpy as np
 
 from geodem import units
-from geodem.case.data import ImageSection, Point, Refinement, RegionSection
+from geodem.case import mesh_section, terrain_section
+from geodem.case.data import ImageSection, Point, Refinement, RegionSection, SectionOptions
+from geodem.case.source_files import LENGTH_UNITS, find_file
 from geodem.case.table import Findings, Table, listed
 
+_OWN_KEYS = {
+    "regions": (),
+    "image": ("scale", "legend", "background", "y_axis", "origin"),
+    "mesh": mesh_section.KEYS,
+    "terrain": terrain_section.KEYS,
+}
+"""What a section can be given by, and the keys that go with each."""
 KEYS = (
     "length_unit",
-    "regions",
-    "image",
-    "scale",
-    "legend",
-    "background",
-    "y_axis",
-    "origin",
-    "mesh",
+    *(key for kind, keys in _OWN_KEYS.items() for key in (kind, *keys)),
     "refine",
     "layers",
     "thin",
 )
-_IMAGE_KEYS = ("scale", "legend", "background", "y_axis", "origin")
-_LENGTH_UNITS = ("m", "mm", "cm", "km", "ft", "in")
 _REGION_EXAMPLE = '{material = "soil", polygon = [[0, 0], [10, 0], [10, 5]]}'
 _REFINE_EXAMPLE = '{material = "seam", spacing = "0.2 m"}'
 _COLOUR = re.compile(r"#?([0-9a-fA-F]{3}|[0-9a-fA-F]{6})")
@@ -76,8 +76,13 @@ class Coordinates:
         return units.parse(f"{value!r} {self.symbol}", "length", place=place)
 
 
-def read_section(top: Table, folder: Path) -> tuple[RegionSection | ImageSection | None, Coordinates]:
-    """The section and its coordinates; None where something in it is wrong (which has then been reported)."""
+def read_section(
+    top: Table, folder: Path, materials: tuple[str, ...]
+) -> tuple[SectionOptions | None, Coordinates]:
+    """The section and its coordinates; None where something in it is wrong (which has then been reported).
+
+    `materials`: names of the tables of materials.
+    """
     findings = top.findings
     table = top.sub("section", KEYS, example=f"[section] with regions = [{_REGION_EXAMPLE}]")
     if table is None:
@@ -88,20 +93,30 @@ def read_section(top: Table, folder: Path) -> tuple[RegionSection | ImageSection
         return None, Coordinates("m")
     coordinates = Coordinates(_length_unit(table))
     before = len(findings.errors)
-    kinds = [kind for kind in ("regions", "image", "mesh") if kind in table]
-    section: RegionSection | ImageSection | None = None
-    options = _options(table, coordinates)
-    if "mesh" in table:
-        table.error("mesh", "mesh sections are not read yet", "Use regions or image.")
-    elif len(kinds) != 1:
-        problem = "regions and image are both given" if kinds else "neither regions nor image is given"
+    kinds = [kind for kind in _OWN_KEYS if kind in table]
+    section: SectionOptions | None = None
+    options = _options(table, coordinates, "terrain" in table)
+    if len(kinds) != 1:
+        problem = f"{' and '.join(kinds)} are both given"
+        if not kinds:
+            problem = "neither regions nor image, mesh or terrain is given"
+        elif len(kinds) > 2:
+            problem = f"{', '.join(kinds[:-1])} and {kinds[-1]} are given"
         findings.error(
-            table.place, problem, f'Give exactly one: regions = [{_REGION_EXAMPLE}] or image = "section.png".'
-        )
-    elif kinds == ["regions"]:
-        section = _regions(table, coordinates, options)
+            table.place, problem,
+            f'Give exactly one: regions = [{_REGION_EXAMPLE}], image = "section.png", mesh = "section.msh" or '
+            'terrain = "heights.npz".',
+        )  # fmt: skip
     else:
-        section = _image(table, coordinates, folder, options)
+        _refuse_foreign_keys(table, kinds[0])
+        if kinds == ["regions"]:
+            section = _regions(table, coordinates, options)
+        elif kinds == ["image"]:
+            section = _image(table, coordinates, folder, options)
+        elif kinds == ["mesh"]:
+            section = mesh_section.read_mesh_section(table, folder, options)
+        else:
+            section = terrain_section.read_terrain_section(table, folder, options, materials)
     if section is None or len(findings.errors) > before:
         return None, coordinates
     _check_size(findings, section)
@@ -111,22 +126,37 @@ def read_section(top: Table, folder: Path) -> tuple[RegionSection | ImageSection
     return section, coordinates
 
 
+def _refuse_foreign_keys(table: Table, kind: str) -> None:
+    """Keys of another kind of section."""
+    for other, keys in _OWN_KEYS.items():
+        for key in keys if other != kind else ():
+            if key in table and key not in _OWN_KEYS[kind]:
+                article = "an" if other == "image" else "a"
+                table.error(
+                    key, f"this belongs to a section from {article} {other}",
+                    f"Remove {key}, or give {other} instead of {kind}.",
+                )  # fmt: skip
+
+
 def _length_unit(table: Table) -> str:
     if "length_unit" not in table:
         table.findings.default(table.at("length_unit"), '"m"', why="coordinates are metres")
         return "m"
-    return table.choice("length_unit", _LENGTH_UNITS) or "m"
+    return table.choice("length_unit", LENGTH_UNITS) or "m"
 
 
-def _options(table: Table, coordinates: Coordinates) -> dict[str, Any]:
-    layers = table.integer("layers", smallest=2, remedy="Write a whole number from 2 to 50.")
+def _options(table: Table, coordinates: Coordinates, layered: bool) -> dict[str, Any]:
+    """`layered`: the key layers holds those of the ground, as of a terrain, not rows of triangles."""
+    layers = (
+        None if layered else table.integer("layers", smallest=2, remedy="Write a whole number from 2 to 50.")
+    )
     if layers is not None and layers > 50:
         table.error(
             "layers",
             "so many rows of triangles make no seam more accurate",
             "Write a whole number from 2 to 50.",
         )
-    if "layers" not in table:
+    if "layers" not in table and not layered:
         table.findings.default(table.at("layers"), "2", why="rows of triangles across the thinnest seam")
     refine = []
     for row in table.rows("refine", ("material", "box", "spacing"), example=_REFINE_EXAMPLE):
@@ -163,13 +193,6 @@ def _refinement(row: Table, coordinates: Coordinates) -> Refinement | None:
 
 
 def _regions(table: Table, coordinates: Coordinates, options: dict[str, Any]) -> RegionSection | None:
-    for key in _IMAGE_KEYS:
-        if key in table:
-            table.error(
-                key,
-                "this belongs to a section from an image",
-                f"Remove {key}, or give image instead of regions.",
-            )
     rows = table.rows("regions", ("material", "polygon"), example=_REGION_EXAMPLE)
     if not rows and isinstance(table.content["regions"], list) and not table.content["regions"]:
         table.error("regions", "there is no region", f"Write regions = [{_REGION_EXAMPLE}].")
@@ -246,19 +269,8 @@ def _image(
 
 
 def _picture(table: Table, folder: Path) -> tuple[Path, tuple[int, int]] | None:
-    name = table.text("image", remedy='Write image = "section.png".')
-    if name is None:
-        return None
-    path = Path(name)
-    try:
-        path = (path if path.is_absolute() else folder / path).resolve()
-        found = path.is_file()
-    except (OSError, ValueError, RuntimeError):  # a name too long, a zero byte, a link that leads to itself
-        found = False
-    if not found:
-        table.error(
-            "image", "there is no such file", f"Its place is taken relative to the case file, in {folder}."
-        )
+    path = find_file(table, "image", folder)
+    if path is None:
         return None
     from PIL import Image, UnidentifiedImageError
 
@@ -323,23 +335,24 @@ def _background(table: Table, legend: dict[str, str]) -> tuple[str, ...]:
     return tuple(colours)
 
 
-def _check_size(findings: Findings, section: RegionSection | ImageSection) -> None:
+def _check_size(findings: Findings, section: SectionOptions) -> None:
     left, bottom, right, top = section.bounds
     size = max(right - left, top - bottom)
     if not _SMALLEST <= size <= _LARGEST:
-        place = "section.length_unit" if isinstance(section, RegionSection) else "section.scale"
+        place = "section.scale" if isinstance(section, ImageSection) else "section.length_unit"
+        if section.key == "terrain":
+            place = "section.line"
         wide, high = units.show(right - left, "length"), units.show(top - bottom, "length")
         problem = f"the section is {wide} wide and {high} high"
-        known = listed(_LENGTH_UNITS)
-        remedy = (
-            "Check it against the drawing."
-            if place == "section.scale"
-            else f"Is it the right one of {known}?"
-        )
+        remedy = f"Is it the right one of {listed(LENGTH_UNITS)}?"
+        if not place.endswith("length_unit"):
+            remedy = (
+                "Check it against the drawing." if place == "section.scale" else "Check it against the map."
+            )
         findings.implausible(place, problem, remedy)
 
 
-def _check_refinement(findings: Findings, section: RegionSection | ImageSection) -> None:
+def _check_refinement(findings: Findings, section: SectionOptions) -> None:
     left, bottom, right, top = section.bounds
     for index, entry in enumerate(section.refine):
         place = f"section.refine[{index}]"
@@ -356,7 +369,7 @@ def _check_refinement(findings: Findings, section: RegionSection | ImageSection)
             )
 
 
-def bounds_text(section: RegionSection | ImageSection) -> str:
+def bounds_text(section: SectionOptions) -> str:
     """Where a section lies, for a message."""
     left, bottom, right, top = section.bounds
     return f"x from {left:g} to {right:g} m, y from {bottom:g} to {top:g} m"

@@ -11,7 +11,9 @@ from geodem import units
 from geodem.case.table import join, quoted
 
 if TYPE_CHECKING:
-    from geodem.case.data import Case, GroundMaterial, ImageSection, RegionSection
+    from geodem.case.data import Case, GroundMaterial, SectionOptions
+    from geodem.case.mesh_section import MeshSection
+    from geodem.case.terrain_section import TerrainSection
 
 
 def as_run_text(case: Case) -> str:
@@ -19,7 +21,7 @@ def as_run_text(case: Case) -> str:
     lines = [f"workflow = {quoted(case.workflow)}", f"title = {quoted(case.title)}"]
     if case.spacing is not None:
         lines.append(f"spacing = {_exact(case.spacing, 'length')}")
-    else:
+    elif case.particles is not None:
         lines.append(f"particles = {case.particles}")
     lines += [
         f"packing = {quoted(case.packing)}",
@@ -59,8 +61,11 @@ def as_run_text(case: Case) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _section(section: RegionSection | ImageSection) -> list[str]:
-    from geodem.case.data import RegionSection  # the data's method brings us here, so not at the top
+def _section(section: SectionOptions) -> list[str]:
+    # the data's method brings us here, so not at the top
+    from geodem.case.data import ImageSection, RegionSection
+    from geodem.case.mesh_section import MeshSection
+    from geodem.case.terrain_section import TerrainSection
 
     lines = ["[section]", 'length_unit = "m"']
     if isinstance(section, RegionSection):
@@ -69,7 +74,7 @@ def _section(section: RegionSection | ImageSection) -> list[str]:
             corners = _list(_list(map(repr, corner)) for corner in polygon.tolist())
             rows.append(f"{{material = {quoted(material)}, polygon = {corners}}}")
         lines.append(f"regions = {_tall_list(rows)}")
-    else:
+    elif isinstance(section, ImageSection):
         legend = ", ".join(
             f"{quoted(colour)} = {quoted(material)}" for colour, material in section.legend.items()
         )
@@ -81,7 +86,17 @@ def _section(section: RegionSection | ImageSection) -> list[str]:
             f"y_axis = {quoted(section.y_axis)}",
             f"origin = {_list(map(repr, section.origin))}",
         ]
-    lines += [f"layers = {section.layers}", f"thin = {quoted(section.thin)}"]
+    elif isinstance(section, MeshSection):
+        # without a unit the file's own one counts, and coordinates are metres
+        lines = ["[section]", *([] if section.unit is None else ['length_unit = "m"']), *_mesh(section)]
+        if section.particles_on == "nodes":
+            return lines
+    elif isinstance(section, TerrainSection):
+        lines += _terrain(section)
+    lines += [
+        *([] if section.key == "terrain" else [f"layers = {section.layers}"]),
+        f"thin = {quoted(section.thin)}",
+    ]
     if section.refine:
         rows = []
         for entry in section.refine:
@@ -93,6 +108,40 @@ def _section(section: RegionSection | ImageSection) -> list[str]:
             rows.append(f"{{{where}, spacing = {_exact(entry.spacing, 'length')}}}")
         lines.append(f"refine = {_tall_list(rows)}")
     return lines
+
+
+def _mesh(section: MeshSection) -> list[str]:
+    lines = [f"mesh = {quoted(str(section.path))}", f"particles_on = {quoted(section.particles_on)}"]
+    if section.unit is not None:
+        lines.append(f"mesh_unit = {quoted(section.unit)}")
+    if section.names:
+        named = ", ".join(f"{number} = {quoted(name)}" for number, name in section.names.items())
+        lines.append(f"names = {{{named}}}")
+    if section.material_array is not None:
+        lines.append(f"material_array = {quoted(section.material_array)}")
+    if section.size is not None:
+        lines.append(f"size = {_exact(section.size, 'length')}")
+    return lines
+
+
+def _terrain(section: TerrainSection) -> list[str]:
+    lines = [
+        f"terrain = {quoted(str(section.path))}",
+        f"line = {_list(_list(map(repr, place)) for place in section.line)}",
+        f"base = {_exact(section.base, 'length')}",
+        f"layers = {_tall_list([_layer(*layer) for layer in section.strata])}",
+        f"holes = {quoted(section.holes)}",
+    ]
+    if section.degrees is not None:
+        lines.append(f"degrees = {str(section.degrees).lower()}")
+    if section.step is not None:
+        lines.append(f"step = {_exact(section.step, 'length')}")
+    return lines
+
+
+def _layer(material: str, depth: float) -> str:
+    reach = "" if math.isinf(depth) else f", depth = {_exact(depth, 'length')}"
+    return f"{{material = {quoted(material)}{reach}}}"
 
 
 def _material(material: GroundMaterial) -> list[str]:
