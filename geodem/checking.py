@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ._jit import cache_folder, set_threads
 from .analysis import Analysis
-from .case import CalibrationCase, Case, LaboratoryCase, load_any
+from .case import CalibrationCase, Case, GroundCase, LaboratoryCase, load_any
 from .outputs import make_view
 from .provenance import versions
 from .result import dilation_warnings
@@ -50,6 +50,8 @@ def check_case(path: Path, picture: Path | None, console: Console) -> dict[str, 
     from .plotting.check_picture import write_check_picture
 
     case = load_any(path)
+    if isinstance(case, GroundCase):
+        return _check_ground(case, path, picture, console)
     if not isinstance(case, Case):
         return _check_tests(case, path, picture, console)
     analysis = Analysis(case)
@@ -73,8 +75,11 @@ def check_case(path: Path, picture: Path | None, console: Console) -> dict[str, 
         f"Section: {right - left:.4g} m wide (x from {left:.5g} to {right:.5g} m), {top - bottom:.4g} m high "
         f"(y from {bottom:.5g} to {top:.5g} m), {total:.4g} m2"
     )
+    how = f"{case.packing}, seed {case.seed}"
+    if case.particles is None and case.spacing is None:
+        how = "the nodes of the mesh"
     console.print(
-        f"Model: {model.particles:,} particles ({case.packing}, seed {case.seed}) about "
+        f"Model: {model.particles:,} particles ({how}) about "
         f"{show_rounded(analysis.particles.spacing, 'length')} apart, {len(model.triangles):,} triangles, "
         f"{model.stress_points:,} stress points, {model.nbytes() / 1e6:.1f} MB"
     )
@@ -156,6 +161,47 @@ def _check_tests(
         "expected_s": seconds,
         "tests": len(orders),
     }
+
+
+def _check_ground(case: GroundCase, path: Path, picture: Path | None, console: Console) -> dict[str, Any]:
+    """Body and particles of a case of ground."""
+    from rich.table import Table
+
+    from .errors import InputError
+    from .ground_run import make_ground
+    from .io.files import write_whole
+    from .plotting import ground_wording as words
+    from .plotting.ground_pictures import check_figure
+
+    ground = make_ground(case)
+    result = ground.result
+    console.print(f"[bold]{_escaped(case.title)}[/]")
+    console.print(f"{words.headline(result)}, {words.size_line(result)}")
+    header, rows = words.material_rows(result)
+    table = Table(show_header=True, box=None, pad_edge=False)
+    table.add_column("")
+    for row in rows:
+        table.add_column(row[0], justify="right")
+    for k, name in enumerate(header[1:], start=1):
+        table.add_row(_escaped(name), *(row[k] for row in rows))
+    console.print(table)
+    for name, value in (*words.contact_rows(result), *words.cost_rows(result)):
+        console.print(f"{name[0].upper()}{name[1:]}: {_escaped(value)}")
+    named = ", ".join(f"{entry['name']} ({entry['facets']:,})" for entry in result["surfaces"])
+    if named:
+        console.print(f"Boundaries: {_escaped(named)}")
+    _print_notices(result["notices"], (), console)
+    for text in result["warnings"]:
+        console.print(f"[yellow]note[/] {_escaped(text)}")
+    target = picture or Path(f"{default_folder(path).name.removesuffix('-result')}-check.png")
+    try:
+        drawn = check_figure(ground.filling, ground.surfaces, title=case.title)
+    except InputError as error:
+        console.print(f"[yellow]note[/] no picture: {_escaped(f'{error.problem}. {error.remedy}')}")
+    else:
+        write_whole(target, drawn)
+        console.print(f"Picture: {_escaped(str(target))}")
+    return result
 
 
 def _print_notices(notices: Sequence[str], more: Sequence[str], console: Console) -> None:

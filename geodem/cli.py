@@ -178,7 +178,7 @@ def check(
 @app.command()
 def new(
     kind: Annotated[
-        str, typer.Argument(metavar="KIND", help="What to make: slope, laboratory, calibration.")
+        str, typer.Argument(metavar="KIND", help="What to make: slope, laboratory, calibration, ground.")
     ],
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder that does not exist yet.")],
 ) -> None:
@@ -359,19 +359,31 @@ def _tell(result: dict[str, Any], folder: Path) -> None:
     elif result["workflow"] == "calibration":
         for line in tests.calibration_lines(result):
             console.print(f"[bold]{_escaped(line)}[/]")
+    elif result["workflow"] == "ground":
+        _tell_ground(result)
     else:
         _tell_factors(result)
     for warning in result["warnings"]:
         console.print(f"[yellow]note[/] {_escaped(warning)}")
-    time_line = (
-        f"{result['particles']:,} particles, {result['steps']:,} steps, {duration(result['wall_time_s'])}"
-    )
+    steps = "" if result["workflow"] == "ground" else f"{result['steps']:,} steps, "
+    time_line = f"{result['particles']:,} particles, {steps}{duration(result['wall_time_s'])}"
     # several processes compile at a time
-    of = "of which " if result["workflow"] == "slope" else "in all processes "
+    of = "of which " if result["workflow"] in ("slope", "ground") else "in all processes "
     console.print(f"{time_line}, {of}{result['compile_time_s']:.1f} s compiling")
     if "material_file" in result:
         console.print(f"Material: {_escaped(str(folder / result['material_file']))}")
     console.print(f"Report: {_escaped(str(folder / 'report.html'))}")
+
+
+def _tell_ground(result: dict[str, Any]) -> None:
+    from .plotting import ground_wording as words
+
+    console.print(f"[bold]{words.headline(result)}[/]")
+    for row in result["materials"]:
+        console.print(
+            f"  {_escaped(row['name'])}: {row['particles']:,}, {row['difference_percent']:+.2f} % of its size, "
+            f"{row['mass_difference_percent']:+.2f} % of its mass"
+        )
 
 
 def _tell_factors(result: dict[str, Any]) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 from ._jit import set_threads
 from .analysis import Analysis, Update
 from .building import case_identity, portable_text, quick
-from .case import CalibrationCase, Case, LaboratoryCase, load_any, load_case
+from .case import CalibrationCase, Case, GroundCase, LaboratoryCase, load_any, load_case
 from .errors import InputError, StoppedError
 from .io.checkpoint import read_checkpoint
 from .io.files import cannot_write, read_json, remove_unfinished
@@ -21,7 +21,7 @@ from .provenance import sources_digest
 
 NEIGHBOUR_SECONDS = 60.0
 
-AnyCase = Case | LaboratoryCase | CalibrationCase
+AnyCase = Case | LaboratoryCase | CalibrationCase | GroundCase
 
 
 def run_case(
@@ -45,11 +45,12 @@ def run_case(
     threads : int, optional
         All cores if left out; the bits of the result do not depend on it.
     quickly : bool
-        About 1,000 particles and a wide tolerance, or coarse specimens, for a first look.
+        About 1,000 particles and a wide tolerance, or coarse specimens, or 2,000 particles of a case of ground, for a
+        first look.
     overwrite : bool
         Replace the results of another case in that folder.
     watch, stop_asked : callables
-        As in `Analysis`; of a laboratory case as in `run_laboratory`.
+        As in `Analysis`; of other cases as in `run_laboratory` and `run_ground`.
     command : str
         For the report.
 
@@ -96,8 +97,14 @@ def run_case(
     return _finish(analysis, folder, command)
 
 
-def _run_other(case: LaboratoryCase | CalibrationCase, folder: Path, **options: Any) -> dict[str, Any]:
-    """A case of tests on specimens."""
+def _run_other(
+    case: LaboratoryCase | CalibrationCase | GroundCase, folder: Path, **options: Any
+) -> dict[str, Any]:
+    """A case of tests on specimens, or of ground alone."""
+    if isinstance(case, GroundCase):
+        from .ground_run import run_ground
+
+        return run_ground(case, folder, **options)
     if isinstance(case, LaboratoryCase):
         from .laboratory_run import run_laboratory
 
@@ -125,7 +132,7 @@ def resume_case(
         Stopped again.
     """
     folder = Path(folder)
-    if _holds_tests(folder):
+    if _is_other(folder):
         other = load_any(folder / "case.toml")
         options: dict[str, Any] = {
             "threads": threads,
@@ -141,6 +148,10 @@ def resume_case(
             from .calibration_run import resume_calibration
 
             return resume_calibration(folder, other, **options)
+        if isinstance(other, GroundCase):
+            from .ground_run import resume_ground
+
+            return resume_ground(folder, other, **options)
     set_threads(threads)
     read_checkpoint(folder / "checkpoint.h5")  # before the case: its absence explains more
     case = load_case(folder / "case.toml")
@@ -156,7 +167,7 @@ def redraw(folder: Path | str) -> Path:
         No checkpoint there, or one of another version.
     """
     folder = Path(folder)
-    if _holds_tests(folder):
+    if _is_other(folder):
         other = load_any(folder / "case.toml")
         if isinstance(other, LaboratoryCase):
             from .laboratory_run import redraw_laboratory
@@ -166,6 +177,10 @@ def redraw(folder: Path | str) -> Path:
             from .calibration_run import redraw_calibration
 
             return redraw_calibration(folder, other)
+        if isinstance(other, GroundCase):
+            from .ground_run import redraw_ground
+
+            return redraw_ground(folder, other)
     read_checkpoint(folder / "checkpoint.h5")
     analysis = Analysis.from_checkpoint(load_case(folder / "case.toml"), folder)
     stored = read_json(folder / "result.json")
@@ -176,10 +191,10 @@ def redraw(folder: Path | str) -> Path:
     return folder / "report.html"
 
 
-def _holds_tests(folder: Path) -> bool:
-    """Whether a folder is that of a laboratory case or of a calibration."""
+def _is_other(folder: Path) -> bool:
+    """Whether a folder is that of a case without checkpoint: of a laboratory, a calibration or ground."""
     stored = read_json(folder / "result.json") or {}
-    return stored.get("workflow") in ("laboratory", "calibration")
+    return stored.get("workflow") in ("laboratory", "calibration", "ground")
 
 
 def default_folder(case: Path | None, quickly: bool = False) -> Path:

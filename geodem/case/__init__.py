@@ -13,6 +13,8 @@ from geodem.case.data import (
     SectionOptions,
     Surcharge,
 )
+from geodem.case.ground import GroundCase, GroundGrains, GroundSource, ParticleOptions
+from geodem.case.ground_reading import load_ground, parse_ground
 from geodem.case.laboratory import CalibrationCase, LaboratoryCase
 from geodem.case.laboratory_reading import (
     load_any,
@@ -32,11 +34,15 @@ __all__ = [
     "Calibrated",
     "CalibrationCase",
     "Case",
+    "GroundCase",
+    "GroundGrains",
     "GroundMaterial",
+    "GroundSource",
     "ImageSection",
     "LaboratoryCase",
     "Loads",
     "MeshSection",
+    "ParticleOptions",
     "Reference",
     "Refinement",
     "RegionSection",
@@ -46,10 +52,12 @@ __all__ = [
     "load_any",
     "load_calibration",
     "load_case",
+    "load_ground",
     "load_laboratory",
     "load_material",
     "parse_calibration",
     "parse_case",
+    "parse_ground",
     "parse_laboratory",
     "write_material",
 ]

@@ -10,6 +10,8 @@ from geodem.calibration.targets import RockTargets, contradictions, doubts
 from geodem.case.bonded import material_keys, read_material
 from geodem.case.data import COMMANDS, Case
 from geodem.case.document import check_allowed, parse_document, read_allowed, read_text, refuse_other
+from geodem.case.ground import GroundCase
+from geodem.case.ground_reading import parse_ground
 from geodem.case.laboratory import CalibrationCase, LaboratoryCase, SpecimenOptions, TestOptions
 from geodem.case.material_file import Calibrated, load_material
 from geodem.case.reading import parse_case
@@ -49,7 +51,7 @@ DEFAULT_SEED = 1
 _LARGEST_STRESS = 1e9
 
 
-def load_any(path: Path | str) -> Case | LaboratoryCase | CalibrationCase:
+def load_any(path: Path | str) -> Case | LaboratoryCase | CalibrationCase | GroundCase:
     """Read a case of whatever workflow it names; a slope where it names none.
 
     Raises
@@ -63,6 +65,8 @@ def load_any(path: Path | str) -> Case | LaboratoryCase | CalibrationCase:
         return parse_laboratory(text, folder)
     if workflow == "calibration":
         return parse_calibration(text, folder)
+    if workflow == "ground":
+        return parse_ground(text, folder)
     return parse_case(text, folder)
 
 

@@ -245,8 +245,8 @@ def _image(
     scale = table.quantity("scale", "pixel_scale", check=positive)
     if "scale" not in table:
         table.missing("scale", 'Write scale = "0.25 m/px".')
-    legend = _legend(table)
-    background = _background(table, legend)
+    legend = read_legend(table)
+    background = read_background(table, legend)
     y_axis = table.choice("y_axis", ("up", "down"), default="up")
     origin: Point | None = (0.0, 0.0)
     if "origin" in table:
@@ -296,7 +296,8 @@ def _colour(findings: Findings, place: str, value: object) -> str | None:
     return "#" + (digits if len(digits) == 6 else "".join(2 * digit for digit in digits))
 
 
-def _legend(table: Table) -> dict[str, str]:
+def read_legend(table: Table) -> dict[str, str]:
+    """Colours and their materials; empty where that is wrong, which has then been told."""
     example = 'legend = {"#8c6d31" = "soil", "#d62728" = "seam"}'
     content = table.content.get("legend")
     if not isinstance(content, dict) or not content:
@@ -315,7 +316,8 @@ def _legend(table: Table) -> dict[str, str]:
     return legend
 
 
-def _background(table: Table, legend: dict[str, str]) -> tuple[str, ...]:
+def read_background(table: Table, legend: dict[str, str]) -> tuple[str, ...]:
+    """Colours that are no ground."""
     if "background" not in table:
         white = "#ffffff"
         found = () if white in legend else (white,)

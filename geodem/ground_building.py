@@ -1,0 +1,311 @@
+"""From a case of ground to its body, its particles, and what they would cost to move."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._jit import compile_seconds
+from .builders.body import Body
+from .builders.body_filling import BodyFilling, add_body
+from .builders.fill_body import fill_body
+from .builders.memory import needed_bytes
+from .case.ground import GroundCase, GroundSource
+from .case.ground_reading import MANY, mismatches
+from .case.source_files import metres, moved
+from .case.table import join
+from .errors import InputError, InputErrors
+from .units import GRAVITY, show
+
+if TYPE_CHECKING:
+    from .assembly import Assembly
+    from .builders.segmentation import Segmentation
+
+FEWEST = 20
+"""Particles that a radius must leave room for: fewer come of a mistaken unit more often than of a wish."""
+NEIGHBOURS = 1.05
+"""Particles up to this many times the sum of their radii apart are told as neighbours."""
+PROBE_STEPS = 20
+COST_STEPS = 1000
+_PLACES = {
+    "arrangement": "arrangement", "radius": "radius", "particles": "particles", "grading": "grading",
+    "solid_fraction": "solid_fraction", "size_ratio": "size_ratio", "seed": "seed",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class GroundBody:
+    """What a source became.
+
+    Attributes
+    ----------
+    body : Body
+    picture : array or None
+        The photograph as it was read.
+    segmentation : Segmentation or None
+        How it, or a stack of slices, was cut by brightness.
+    """
+
+    body: Body
+    picture: NDArray[Any] | None = None
+    segmentation: Segmentation | None = None
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What moving the particles would take.
+
+    Attributes
+    ----------
+    time_step : float [s]
+        Half the critical one; NaN where nothing tells the stiffnesses.
+    critical_time_step : float [s]
+    step_seconds : float [s]
+        Run time of a step.
+    bonds : int
+    memory_bytes : int
+    why : str
+        Why there is no time step, empty where there is one.
+    """
+
+    time_step: float
+    critical_time_step: float
+    step_seconds: float
+    bonds: int
+    memory_bytes: int
+    why: str = ""
+    compile_seconds: float = 0.0
+
+
+def make_body(case: GroundCase) -> GroundBody:
+    """The body of a case.
+
+    Raises
+    ------
+    InputError, InputErrors
+        A file that cannot be used; materials of the file without a table, and tables of no material.
+    """
+    source = case.source
+    place = join("source", source.kind)
+    try:
+        made = _MAKERS[source.kind](source)
+    except InputErrors:
+        raise
+    except InputError as error:
+        keys = {key: key for key in source.options} | {
+            "length_unit": "length_unit",
+            "size": "size",
+            "degrees": "degrees",
+        }
+        raise moved(error, place, value=source.file.name, keys=keys) from error
+    errors = mismatches(made.body.materials, tuple(case.materials), "the source")
+    if errors:
+        raise InputErrors(errors)
+    empty = [name for name, size in zip(made.body.materials, made.body.sizes, strict=True) if not size > 0.0]
+    if empty:
+        raise InputError(
+            join("material", empty[0]), "the source has no ground of this material",
+            "Take it out of the case, or mend its colour or thresholds.",
+        )  # fmt: skip
+    return made
+
+
+def fill(case: GroundCase, body: Body) -> BodyFilling:
+    """Particles of the body.
+
+    Raises
+    ------
+    InputError
+        A size that does not fit the body, or needs more memory than there is.
+    """
+    options = case.particles
+    size = " by ".join(show(float(f"{side:.3g}"), "length") for side in np.ptp(body.bounds, axis=0))
+    if options.radius is not None:
+        radius = show(options.radius, "length")
+        unit = math.pi if body.dimension == 2 else 4.0 / 3.0 * math.pi
+        room = float(body.sizes.sum()) / (unit * options.radius**body.dimension)
+        if room < FEWEST:
+            raise InputError(
+                "particles.radius", f"the ground is {size}: it has no room for {FEWEST} such particles",
+                "Check both units, and give a smaller radius.", value=radius,
+            )  # fmt: skip
+        if room > MANY and "particles.radius" not in case.allow_implausible:
+            raise InputError(
+                "particles.radius", f"the ground is {size}: it would take about {room:.2g} such particles",
+                "Check both units, and give a larger radius. If it is meant, add "
+                'allow_implausible = ["particles.radius"] at the top of the file.',
+                value=radius,
+            )  # fmt: skip
+    key = next((name for name in ("radius", "grading") if getattr(options, name) is not None), "particles")
+    try:
+        return fill_body(body, **options.arguments())
+    except InputError as error:
+        raise moved(error, f"particles.{key}", value=error.value, keys=_PLACES) from error
+
+
+def cost(case: GroundCase, filling: BodyFilling) -> Cost:
+    """Time step, run time and memory of the particles as an assembly under gravity, bonded as the case says."""
+    d, count = filling.dimension, filling.particles
+    bonded = [material.bonded for material in case.materials.values()]
+    if None in bonded:
+        lacking = ", ".join(name for name, material in case.materials.items() if material.bonded is None)
+        return Cost(
+            math.nan, math.nan, math.nan, 0, needed_bytes(d, count), f"no stiffness is given for {lacking}"
+        )
+    laws = {(own.bond_law, own.contact_law) for own in bonded if own is not None}
+    if len(laws) > 1:
+        return Cost(
+            math.nan, math.nan, math.nan, 0, needed_bytes(d, count), "the materials have several laws"
+        )
+    from .particle_simulation import ParticleSimulation
+
+    assembly = _assembly(case, filling)
+    before = compile_seconds()
+    motion = ParticleSimulation(assembly, local_damping=0.7)
+    motion.run(2)
+    begun = time.perf_counter()
+    motion.run(PROBE_STEPS)
+    seconds = (time.perf_counter() - begun) / PROBE_STEPS
+    bonds = len(assembly.bonds)
+    return Cost(
+        time_step=motion.time_step,
+        critical_time_step=motion.critical_time_step,
+        step_seconds=seconds,
+        bonds=bonds,
+        memory_bytes=needed_bytes(d, count, bonds),
+        compile_seconds=compile_seconds() - before,
+    )
+
+
+def _assembly(case: GroundCase, filling: BodyFilling) -> Assembly:
+    from .builders.assembly_builder import AssemblyBuilder
+
+    d = filling.dimension
+    materials = {name: case.materials[name] for name in filling.materials}
+    first = next(iter(materials.values())).bonded
+    assert first is not None
+    gravity = (0.0,) * (d - 1) + (-GRAVITY,)
+    build = AssemblyBuilder(d, contact_law=first.contact_law, bond_law=first.bond_law, gravity=gravity)
+    for name, material in materials.items():
+        own = material.bonded
+        assert own is not None
+        build.add_material(name, density=material.density, contact=dict(own.contact), bond=dict(own.bond))
+    add_body(build, filling, {name: material.density for name, material in materials.items()})
+    names = list(materials)
+    for k, name in enumerate(names):
+        for other in names[k:]:
+            a, b = materials[name].bonded, materials[other].bonded
+            assert a is not None
+            assert b is not None
+            weaker = a if a.bonding_range <= b.bonding_range else b
+            build.bond_within(
+                weaker.bonding_range, (name, other), scale=weaker.scatter(case.particles.seed + k)
+            )
+    return build.build()
+
+
+def _image(source: GroundSource) -> GroundBody:
+    from .builders.grid_sources import grid_from_image
+
+    o = source.options
+    body = grid_from_image(
+        source.file, scale=o["scale"], legend=o["legend"], background=o["background"], origin=o.get("origin", 0.0)
+    )  # fmt: skip
+    return GroundBody(body)
+
+
+def _photograph(source: GroundSource) -> GroundBody:
+    from .builders.image_pixels import read_pixels
+
+    picture = read_pixels(source.file, "photograph").colour
+    return _segmented(source, source.file, picture, source.options["scale"])
+
+
+def _slices(source: GroundSource) -> GroundBody:
+    from .builders.grid_sources import grid_from_slices, read_slices
+
+    o = source.options
+    if "legend" in o:
+        return GroundBody(
+            grid_from_slices(
+                source.file, voxel=o["voxel"], legend=o["legend"], background=o["background"],
+                origin=o.get("origin", 0.0),
+            )
+        )  # fmt: skip
+    stack = read_slices(source.file)
+    if stack.ndim == 4:
+        # luminance, ITU-R BT.601
+        full = 255.0 if stack.dtype == np.uint8 else 65535.0
+        stack = np.asarray(stack @ np.array([0.299, 0.587, 0.114]) / full)
+    return _segmented(source, stack, None, o["voxel"])
+
+
+def _segmented(source: GroundSource, given: Any, picture: NDArray[Any] | None, side: Any) -> GroundBody:
+    from .builders.segmentation import segment
+
+    o = source.options
+    names = o["materials"]
+    cut = segment(
+        given, classes=len(names), thresholds=o.get("thresholds"), lighting=o.get("lighting"),
+        smoothing=o["smoothing"], smallest=o["smallest"],
+        grains=names.index(o["grains"]) if "grains" in o else None, apart=o.get("apart"),
+    )  # fmt: skip
+    return GroundBody(cut.body(side, names, origin=o.get("origin", 0.0)), picture, cut)
+
+
+def _grid(source: GroundSource) -> GroundBody:
+    try:
+        import pyvista  # noqa: F401
+    except ImportError:
+        raise InputError(
+            "grid", "VTK files are read by pyvista, which is not here", "Run: pip install 'geodem[meshes]'."
+        ) from None
+    from .builders.grid_sources import grid_from_vtk
+
+    o = source.options
+    return GroundBody(
+        grid_from_vtk(source.file, thresholds=o["thresholds"], materials=o["materials"], scalars=o.get("scalars"))
+    )  # fmt: skip
+
+
+def _mesh(source: GroundSource) -> GroundBody:
+    from .builders.from_mesh import body_from_mesh
+
+    o = source.options
+    files = dict(source.files) if source.kind == "solids" else source.file
+    return GroundBody(
+        body_from_mesh(
+            files, length_unit=metres(o.get("length_unit")), size=o.get("size"), names=o.get("names"),
+            material_array=o.get("material_array"),
+        )
+    )  # fmt: skip
+
+
+def _terrain(source: GroundSource) -> GroundBody:
+    from .builders.terrain import Layer
+    from .case.terrain_section import load_terrain
+
+    o = source.options
+    terrain = load_terrain(source.file, o.get("degrees"), o["holes"])
+    if "cut_out" in o:
+        low, high = terrain.metres(o["cut_out"])
+        terrain = terrain.crop(low, high)
+    layers = [Layer(name, depth) for name, depth in o["layers"]]
+    return GroundBody(cast("Body", terrain.body(base=o["base"], layers=layers)))
+
+
+_MAKERS = {
+    "image": _image,
+    "photograph": _photograph,
+    "slices": _slices,
+    "grid": _grid,
+    "mesh": _mesh,
+    "solids": _mesh,
+    "geometry": _mesh,
+    "terrain": _terrain,
+}

@@ -1,0 +1,360 @@
+"""Make the particles of a case of ground, judge them, and write their folder: result, report, frames, filling."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .builders.body import Surface
+from .builders.body_filling import BodyFilling
+from .builders.body_filling_file import load_filling, save_filling
+from .case.ground import GroundCase
+from .errors import InputError, StoppedError
+from .ground_building import COST_STEPS, NEIGHBOURS, Cost, GroundBody, cost, fill, make_body
+from .ground_files import read_surfaces, write_particles, write_surfaces
+from .io.checkpoint import checksum
+from .io.files import cannot_write, read_json, write_json, write_whole
+from .io.run_folder import claim_folder
+from .plotting.ground_pictures import ground_pictures
+from .plotting.ground_report import write_ground_report
+from .provenance import sources_digest, versions
+
+QUICK_PARTICLES = 2000
+FILLING = "filling.npz"
+PARTICLES = "particles-000000.vtkhdf"
+SURFACES = "surfaces-000000.vtkhdf"
+WRITTEN = ("result.json", "report.html", FILLING, PARTICLES, SURFACES, "figures/*.png")
+"""What a run writes."""
+
+
+class GroundUpdate(NamedTuple):
+    """What a run tells whoever watches it."""
+
+    stage: str
+    text: str
+    progress: None = None
+    seconds_left: float = 0.0
+
+
+Watch = Callable[[GroundUpdate], None]
+
+
+@dataclass(frozen=True)
+class Ground:
+    """A body with its particles, and what was found of them."""
+
+    made: GroundBody
+    filling: BodyFilling
+    result: dict[str, Any]
+
+    @property
+    def surfaces(self) -> Sequence[Surface]:
+        """Named boundaries of the body."""
+        return self.made.body.surfaces
+
+
+def make_ground(
+    case: GroundCase, *, watch: Watch | None = None, stop_asked: Callable[[], bool] | None = None
+) -> Ground:
+    """Body, particles and everything that is told of them; nothing is written.
+
+    Raises
+    ------
+    InputError
+        A source that cannot be used, materials that do not fit it, particles that do not fit the body.
+    StoppedError
+        `stop_asked` said so between two stages.
+    """
+    begun = time.perf_counter()
+
+    def stage(words: str) -> None:
+        if stop_asked is not None and stop_asked():
+            raise StoppedError("stopped")
+        if watch is not None:
+            watch(GroundUpdate("build", words))
+
+    stage(f"reading the {case.source.kind}")
+    made = make_body(case)
+    stage("placing particles")
+    filling = fill(case, made.body)
+    stage("looking at contacts and cost")
+    price = cost(case, filling)
+    result = assemble(case, made, filling, price)
+    stage("drawing")
+    return Ground(made, filling, result | {"wall_time_s": round(time.perf_counter() - begun, 3)})
+
+
+def assemble(case: GroundCase, made: GroundBody, filling: BodyFilling, price: Cost) -> dict[str, Any]:
+    """The content of result.json, but for what the run itself knows."""
+    body = made.body
+    touching = filling.contacts(NEIGHBOURS)
+    return {
+        "workflow": case.workflow,
+        "title": case.title,
+        "status": "done",
+        "kind_of_result": "ground: particles of a body, before anything is run",
+        "particles": filling.particles,
+        "dimension": filling.dimension,
+        "source": {"kind": case.source.kind, "files": [path.name for path in case.source.files.values()]},
+        "bounds_m": np.asarray(body.bounds).tolist(),
+        "materials": _materials(case, filling),
+        "contacts": {
+            "reach": NEIGHBOURS,
+            "pairs": touching.pairs,
+            "coordination": touching.coordination,
+            "largest_overlap": touching.largest_overlap,
+            "loose": touching.loose,
+        },
+        "arrangement": filling.arrangement,
+        "solid_fraction": filling.solid_fraction,
+        "smallest_radius_m": float(filling.radii.min()),
+        "largest_radius_m": float(filling.radii.max()),
+        "grains": len(np.unique(filling.group[filling.group >= 0])),
+        "surfaces": [
+            {"name": s.name, "facets": len(s.corners), "size": float(_sizes(s.corners).sum())}
+            for s in body.surfaces
+        ],
+        "cost": {
+            "memory_bytes": price.memory_bytes,
+            "bonds": price.bonds,
+            "critical_time_step_s": price.critical_time_step,
+            "seconds_per_1000_steps": COST_STEPS * price.step_seconds,
+            "why": price.why,
+        },
+        "steps": 0,
+        "compile_time_s": round(price.compile_seconds, 3),
+        "seed": case.particles.seed,
+        "versions": versions(),
+        "notices": [*case.notices, *_thresholds(made)],
+        "warnings": [*case.questions, *filling.remarks],
+        "digest": checksum(
+            {"positions": filling.positions, "radii": filling.radii, "material": filling.material}
+        ),
+    }
+
+
+def _materials(case: GroundCase, filling: BodyFilling) -> list[dict[str, Any]]:
+    densities = {name: material.density for name, material in case.materials.items()}
+    d = filling.dimension
+    volume = np.pi * filling.radii**2 if d == 2 else 4.0 / 3.0 * np.pi * filling.radii**3
+    mass = np.bincount(
+        filling.material, volume * filling.density(densities), minlength=len(filling.materials)
+    )
+    return [
+        {
+            "name": share.name,
+            "particles": share.particles,
+            "source_size": share.source,
+            "represented_size": share.represented,
+            "difference_percent": 100.0 * share.difference,
+            "density_kg_m3": densities[share.name],
+            "mass": float(mass[k]),
+            "mass_difference_percent": 100.0
+            * (float(mass[k]) / (share.source * densities[share.name]) - 1.0),
+        }
+        for k, share in enumerate(filling.shares)
+    ]
+
+
+def _sizes(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Length or area (f,) of facets (f, d, d)."""
+    if corners.shape[1] == 2:
+        return np.asarray(np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1))
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return np.asarray(0.5 * np.linalg.norm(normal, axis=1))
+
+
+def _thresholds(made: GroundBody) -> list[str]:
+    if made.segmentation is None:
+        return []
+    cut = made.segmentation
+    return [
+        f"source: cut at the brightness {', '.join(f'{value:.3f}' for value in cut.thresholds)} (0 black, 1 white); "
+        f"{100.0 * cut.separability:.0f} % of its variance lies between the classes."
+    ]
+
+
+def run_ground(
+    case: GroundCase,
+    out: Path,
+    *,
+    threads: int | None = None,
+    quickly: bool = False,
+    overwrite: bool = False,
+    watch: Watch | None = None,
+    stop_asked: Callable[[], bool] | None = None,
+    command: str = "",
+) -> dict[str, Any]:
+    """Make the particles of a case and write its folder; one that holds them already is left as it is.
+
+    Parameters
+    ----------
+    case : GroundCase
+    out : pathlib.Path
+        Folder of the results.
+    threads : int, optional
+        All cores if left out; the bits do not depend on it.
+    quickly : bool
+        About 2,000 particles, for a first look.
+    overwrite : bool
+        Replace the results of another case in that folder.
+    watch : callable, optional
+        Is given a `GroundUpdate` at every stage.
+    stop_asked : callable, optional
+    command : str
+        For the report.
+
+    Returns
+    -------
+    dict
+        The content of result.json.
+
+    Raises
+    ------
+    InputError
+        Bad input; nothing has been written over.
+    StoppedError
+        `stop_asked` said so; nothing has been written.
+    """
+    from ._jit import set_threads
+
+    count = set_threads(threads)
+    case = quick(case) if quickly else case
+    copies = portable(case)[1]
+    identity = _identity(case, copies)
+    text = portable(case)[0].as_run_text()
+    stored = read_json(out / "result.json") or {}
+    if not overwrite and stored.get("identity") == identity and _whole(out, stored):
+        return stored
+    ground = make_ground(case, watch=watch, stop_asked=stop_asked)
+    claim_folder(out, identity, text, overwrite=overwrite, written=WRITTEN)
+    facts = {
+        "threads": count,
+        "quick": quickly,
+        "command": command,
+        "identity": identity,
+        "sources_digest": sources_digest(),
+    }
+    return _write(ground, out, text, copies, facts)
+
+
+def _write(
+    ground: Ground, out: Path, text: str, copies: dict[str, Path], facts: dict[str, Any]
+) -> dict[str, Any]:
+    """Everything that a run leaves; result.json last, so that one that says "done" has all beside it."""
+    # an older result is no longer that of what is written now
+    (out / "result.json").unlink(missing_ok=True)
+    for name, path in copies.items():
+        _copy(path, out / name)
+    write_whole(out / "case.toml", text)
+    try:
+        save_filling(ground.filling, out / FILLING)
+    except OSError as error:
+        raise cannot_write(out / FILLING, error) from error
+    filling = ground.filling
+    densities = {row["name"]: row["density_kg_m3"] for row in ground.result["materials"]}
+    write_particles(out / PARTICLES, filling, filling.density(densities))
+    if ground.surfaces:
+        write_surfaces(out / SURFACES, ground.surfaces)
+    made = ground.made
+    pictures, undrawn = ground_pictures(
+        filling, ground.surfaces, title=ground.result["title"], picture=made.picture,
+        segmentation=made.segmentation,
+    )  # fmt: skip
+    result = ground.result | facts | {"warnings": [*ground.result["warnings"], *undrawn]}
+    write_ground_report(out / "report.html", result, pictures, text)
+    return write_json(out / "result.json", result)
+
+
+def _copy(source: Path, target: Path) -> None:
+    """A file, or the files of a folder, as they are."""
+    if source.is_dir():
+        if source.resolve() == target.resolve():
+            return
+        for stale in target.iterdir() if target.is_dir() else ():
+            stale.unlink()
+        for entry in sorted(source.iterdir()):
+            if entry.is_file():
+                _copy(entry, target / entry.name)
+    elif source.resolve() != target.resolve():
+        write_whole(target, source.read_bytes())
+
+
+def resume_ground(folder: Path, case: GroundCase, **options: Any) -> dict[str, Any]:
+    """What a finished run left; there is nothing between beginning and end to go on from."""
+    return run_ground(case, folder, **options)
+
+
+def redraw_ground(folder: Path, case: GroundCase) -> Path:
+    """Make the report and its figures again from what a folder holds; returns the report's path.
+
+    Raises
+    ------
+    InputError
+        The result or the filling is not there, or the source that a photograph's figure needs.
+    """
+    stored = read_json(folder / "result.json")
+    if stored is None:
+        raise InputError(
+            str(folder / "result.json"),
+            "there is no result",
+            f"Make it with: geodem run {folder} --out {folder}",
+        )
+    filling = load_filling(folder / FILLING)
+    surfaces = read_surfaces(folder / SURFACES) if (folder / SURFACES).is_file() else ()
+    photograph = make_body(case) if case.source.kind == "photograph" else None
+    pictures, _ = ground_pictures(
+        filling, surfaces, title=stored["title"],
+        picture=None if photograph is None else photograph.picture,
+        segmentation=None if photograph is None else photograph.segmentation,
+    )  # fmt: skip
+    text = (folder / "case.toml").read_text(encoding="utf-8")
+    write_ground_report(folder / "report.html", stored, pictures, text)
+    return folder / "report.html"
+
+
+def quick(case: GroundCase) -> GroundCase:
+    """The case with few particles, for a first look."""
+    options = case.particles
+    if options.arrangement == "pixel" or options.grading is not None:
+        why = "one in each pixel" if options.arrangement == "pixel" else "the grading says their sizes"
+        return replace(case, notices=(*case.notices, f"--quick changes nothing: {why}."))
+    count = min(options.particles or QUICK_PARTICLES, QUICK_PARTICLES)
+    notice = f"--quick: about {count} particles instead of the case's own."
+    return replace(
+        case, particles=replace(options, particles=count, radius=None), notices=(*case.notices, notice)
+    )
+
+
+def portable(case: GroundCase) -> tuple[GroundCase, dict[str, Path]]:
+    """The case with its files beside it, as it stands in the folder of the results, and where they come from."""
+    source, copies = case.source.beside()
+    return replace(case, source=source), copies
+
+
+def _identity(case: GroundCase, copies: dict[str, Path]) -> str:
+    """Of a case as it is run and of what its files hold."""
+    held: dict[str, Any] = {"case": portable(case)[0].as_run_text()}
+    for name, path in copies.items():
+        files = sorted(entry for entry in path.iterdir() if entry.is_file()) if path.is_dir() else [path]
+        for file in files:
+            try:
+                held[f"{name} {file.name}"] = np.frombuffer(file.read_bytes(), dtype=np.uint8)
+            except OSError as error:
+                raise InputError(
+                    f"source.{case.source.kind}", f"the file cannot be read ({error.strerror})", "Put it back.",
+                    value=str(file),
+                ) from error  # fmt: skip
+    return checksum(held)
+
+
+def _whole(folder: Path, stored: dict[str, Any]) -> bool:
+    """Whether a folder holds a finished run of this version."""
+    there = all((folder / name).is_file() for name in ("report.html", FILLING, PARTICLES))
+    return there and stored.get("status") == "done" and stored.get("sources_digest") == sources_digest()

@@ -1,0 +1,129 @@
+"""The figures of a case of ground: its particles, its named boundaries, and how a photograph was cut."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geodem.builders.body import Surface
+from geodem.builders.body_filling import BodyFilling
+from geodem.errors import InputError
+from geodem.plotting.bodies import draw_filling, filling_figure, filling_picture, segmentation_figure
+from geodem.plotting.spheres import render_facets
+from geodem.plotting.theme import INK, new_figure, png, style
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from geodem.builders.segmentation import Segmentation
+
+LINES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#6b5200", "#1f2933")
+"""Colours of boundaries, repeated after eight (M. Okabe & K. Ito 2008)."""
+MOST_NAMES = 12
+"""Boundaries that are named in a picture."""
+VIEW = (-60.0, 25.0)
+
+
+def ground_pictures(
+    filling: BodyFilling,
+    surfaces: Sequence[Surface],
+    *,
+    title: str,
+    picture: NDArray[Any] | None = None,
+    segmentation: Segmentation | None = None,
+) -> tuple[dict[str, bytes], list[str]]:
+    """PNGs by name, and words on what could not be drawn.
+
+    "particles" always, but of spheres without pyvista; "inside" of spheres; "surfaces" where the body names any;
+    "cut" of a photograph.
+    """
+    made: dict[str, bytes] = {}
+    with style():
+        try:
+            made["particles"] = png(particles_figure(filling, title=title))
+            if filling.dimension == 3:
+                made["inside"] = png(_inside(filling))
+            if surfaces:
+                made["surfaces"] = png(surfaces_figure(filling, surfaces))
+        except InputError as error:
+            return made, [f"no pictures of spheres: {error.problem}. {error.remedy}."]
+        if picture is not None and segmentation is not None:
+            made["cut"] = png(
+                segmentation_figure(picture, segmentation, filling, title="As it was photographed")
+            )
+    return made, []
+
+
+def particles_figure(filling: BodyFilling, *, title: str) -> Figure:
+    """Discs or spheres by material."""
+    if filling.dimension == 2:
+        return filling_figure(filling, title=title)
+    return filling_picture(filling, title=title, view=VIEW)
+
+
+def check_figure(filling: BodyFilling, surfaces: Sequence[Surface], *, title: str) -> bytes:
+    """One PNG of particles and boundaries, for a look before anything is kept; raises as `render_facets`."""
+    with style():
+        if filling.dimension == 2 and surfaces:
+            return png(surfaces_figure(filling, surfaces, title=title))
+        return png(particles_figure(filling, title=title))
+
+
+def surfaces_figure(
+    filling: BodyFilling, surfaces: Sequence[Surface], *, title: str = "Boundaries"
+) -> Figure:
+    """The named boundaries: lines over the discs, or facets."""
+    from matplotlib.lines import Line2D
+
+    colours = [LINES[k % len(LINES)] for k in range(len(surfaces))]
+    if filling.dimension == 3:
+        figure = _facets(surfaces, colours, title)
+    else:
+        figure = _lines(filling, surfaces, colours, title)
+    handles = [
+        Line2D([], [], color=colour, linewidth=3.0, label=f"{surface.name} ({len(surface.corners):,})")
+        for surface, colour in zip(surfaces[:MOST_NAMES], colours, strict=False)
+    ]
+    more = len(surfaces) - len(handles)
+    if more > 0:
+        handles.append(Line2D([], [], color="none", label=f"and {more} more"))
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(4, len(handles)), labelcolor=INK)
+    return figure
+
+
+def _lines(filling: BodyFilling, surfaces: Sequence[Surface], colours: Sequence[str], title: str) -> Figure:
+    from matplotlib.collections import LineCollection
+
+    width, height = np.ptp(filling.positions, axis=0)
+    figure = new_figure(7.6, float(np.clip(7.6 * height / width + 0.9, 2.4, 8.0)))
+    axes: Any = figure.subplots()
+    draw_filling(axes, filling)
+    for surface, colour in zip(surfaces, colours, strict=True):
+        axes.add_collection(
+            LineCollection(list(surface.corners), colors=colour, linewidths=2.2, capstyle="round")
+        )
+    axes.set_title(title)
+    return figure
+
+
+def _facets(surfaces: Sequence[Surface], colours: Sequence[str], title: str) -> Figure:
+    image = render_facets([surface.corners for surface in surfaces], colours, view=VIEW)
+    figure = new_figure(7.6, 7.6 * image.shape[0] / image.shape[1] + 0.9)
+    axes: Any = figure.subplots()
+    axes.imshow(image)
+    axes.set_axis_off()
+    axes.set_title(title, pad=10.0)
+    engine: Any = figure.get_layout_engine()
+    engine.set(w_pad=0.12, h_pad=0.08)
+    return figure
+
+
+def _inside(filling: BodyFilling) -> Figure:
+    """The spheres behind the middle, as if the half that is nearer to the viewer were taken away."""
+    middle = 0.5 * (filling.positions[:, 1].min() + filling.positions[:, 1].max())
+    return filling_picture(
+        filling, title="Cut through the middle", view=VIEW, shown=filling.positions[:, 1] >= middle
+    )
