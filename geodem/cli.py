@@ -381,8 +381,9 @@ def _tell_ground(result: dict[str, Any]) -> None:
     console.print(f"[bold]{words.headline(result)}[/]")
     for row in result["materials"]:
         console.print(
-            f"  {_escaped(row['name'])}: {row['particles']:,}, {row['difference_percent']:+.2f} % of its size, "
-            f"{row['mass_difference_percent']:+.2f} % of its mass"
+            f"  {_escaped(row['name'])}: {row['particles']:,}, differ from the source by "
+            f"{words.signed(row['difference_percent'])} % in size and "
+            f"{words.signed(row['mass_difference_percent'])} % in mass"
         )
 
 

@@ -143,11 +143,11 @@ def _particles(top: Table) -> ParticleOptions | None:
     size_ratio = table.quantity("size_ratio", "dimensionless", check=_ratio)
     share = table.quantity("solid_fraction", "dimensionless", check=_share)
     seed = table.integer("seed", smallest=0, remedy="Write a whole number such as 1.")
-    if arrangement != "random":
+    if arrangement is not None and arrangement != "random":
         for key in ("grading", "size_ratio", "solid_fraction", "seed"):
             if key in table:
                 table.error(
-                    key, f'this belongs to arrangement = "random", not {quoted(str(arrangement))}',
+                    key, f'this belongs to arrangement = "random", not {quoted(arrangement)}',
                     f"Remove {key}.",
                 )  # fmt: skip
     elif "grading" in table and "size_ratio" in table:

@@ -52,7 +52,7 @@ _LARGEST_STRESS = 1e9
 
 
 def load_any(path: Path | str) -> Case | LaboratoryCase | CalibrationCase | GroundCase:
-    """Read a case of whatever workflow it names; a slope where it names none.
+    """Read a case of whatever workflow it names; a slope where it names none, ground where it has a source.
 
     Raises
     ------
@@ -60,12 +60,14 @@ def load_any(path: Path | str) -> Case | LaboratoryCase | CalibrationCase | Grou
         As of `geodem.case.load_case`.
     """
     text, folder = read_text(path)
-    workflow = parse_document(text).get("workflow")
+    document = parse_document(text)
+    workflow = document.get("workflow")
     if workflow == "laboratory":
         return parse_laboratory(text, folder)
     if workflow == "calibration":
         return parse_calibration(text, folder)
-    if workflow == "ground":
+    # a word that is no workflow is told with what the case otherwise looks like
+    if workflow == "ground" or (workflow not in COMMANDS and "source" in document):
         return parse_ground(text, folder)
     return parse_case(text, folder)
 

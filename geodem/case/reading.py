@@ -101,13 +101,15 @@ def parse_case(text: str, folder: Path) -> Case:
         title = folder.resolve().name or "Slope"
         findings.default("title", f'"{title}"')
     particles, spacing = _resolution(top)
-    packing = top.choice("packing", PACKINGS, default="random")
+    nodes = _on_nodes(top)
+    packing = top.choice("packing", PACKINGS, default="random") if "packing" in top or not nodes else "random"
     methods = _methods(top)
     tolerance = _tolerance(top)
     seed = top.integer("seed", smallest=0, remedy="Write a whole number such as 1.")
     if "seed" not in top:
         seed = DEFAULT_SEED
-        findings.default("seed", str(seed))
+        if not nodes:
+            findings.default("seed", str(seed))
     defined = top.content.get("material")
     names = tuple(defined) if isinstance(defined, dict) else ()
     section, coordinates = read_section(top, folder, names)
@@ -167,8 +169,7 @@ def _workflow(top: Table) -> str | None:
 
 def _resolution(top: Table) -> tuple[int | None, float | None]:
     findings = top.findings
-    section = top.content.get("section")
-    if isinstance(section, dict) and section.get("particles_on") == "nodes" and "mesh" in section:
+    if _on_nodes(top):
         for key in ("particles", "spacing"):
             if key in top:
                 top.error(
@@ -192,6 +193,12 @@ def _resolution(top: Table) -> tuple[int | None, float | None]:
         )
         findings.implausible("particles", problem, "Slopes need 2500 to 20000.", value=particles)
     return particles, spacing
+
+
+def _on_nodes(top: Table) -> bool:
+    """Whether the nodes of a mesh are the particles, so that nothing is placed."""
+    section = top.content.get("section")
+    return isinstance(section, dict) and section.get("particles_on") == "nodes" and "mesh" in section
 
 
 def _check_spacing(findings: Findings, section: SectionOptions, spacing: float) -> None:

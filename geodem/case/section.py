@@ -95,7 +95,9 @@ def read_section(
     before = len(findings.errors)
     kinds = [kind for kind in _OWN_KEYS if kind in table]
     section: SectionOptions | None = None
-    options = _options(table, coordinates, "terrain" in table)
+    # layers of a terrain are those of the ground; the triangles of a mesh need none
+    own = "terrain" in table or ("mesh" in table and table.content.get("particles_on") == "nodes")
+    options = _options(table, coordinates, "terrain" in table, own)
     if len(kinds) != 1:
         problem = f"{' and '.join(kinds)} are both given"
         if not kinds:
@@ -145,8 +147,11 @@ def _length_unit(table: Table) -> str:
     return table.choice("length_unit", LENGTH_UNITS) or "m"
 
 
-def _options(table: Table, coordinates: Coordinates, layered: bool) -> dict[str, Any]:
-    """`layered`: the key layers holds those of the ground, as of a terrain, not rows of triangles."""
+def _options(table: Table, coordinates: Coordinates, layered: bool, silent: bool) -> dict[str, Any]:
+    """How the section is filled.
+
+    `layered`: the key layers holds those of the ground, not rows of triangles; `silent`: nothing is told of it.
+    """
     layers = (
         None if layered else table.integer("layers", smallest=2, remedy="Write a whole number from 2 to 50.")
     )
@@ -156,14 +161,15 @@ def _options(table: Table, coordinates: Coordinates, layered: bool) -> dict[str,
             "so many rows of triangles make no seam more accurate",
             "Write a whole number from 2 to 50.",
         )
-    if "layers" not in table and not layered:
+    if "layers" not in table and not silent:
         table.findings.default(table.at("layers"), "2", why="rows of triangles across the thinnest seam")
     refine = []
     for row in table.rows("refine", ("material", "box", "spacing"), example=_REFINE_EXAMPLE):
         entry = _refinement(row, coordinates)
         if entry is not None:
             refine.append(entry)
-    thin = table.choice("thin", ("refine", "refuse"), default="refine")
+    nodes = silent and not layered
+    thin = table.choice("thin", ("refine", "refuse"), default=None if nodes else "refine")
     return {"layers": layers or 2, "thin": thin or "refine", "refine": tuple(refine)}
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from geodem import units
-from geodem.case.table import Findings, Table, join, quoted
+from geodem.case.table import Findings, Table, join, listed, nearest, quoted
 from geodem.errors import InputError, InputErrors
 
 LENGTH_UNITS = ("m", "mm", "cm", "km", "ft", "in")
@@ -37,9 +37,9 @@ def existing(table: Table, key: str, name: str, folder: Path, *, folders: bool =
     if found:
         return path
     what = "file or folder" if folders else "file"
-    table.error(
-        key, f"there is no such {what}", f"Its place is taken relative to the case file, in {folder}."
-    )
+    hint = nearest(name, [entry.name for entry in folder.iterdir()]) if folder.is_dir() else ""
+    remedy = f"{hint}Its place is taken relative to the case file, in {folder}."
+    table.error(key, f"there is no such {what}", remedy)
     return None
 
 
@@ -104,8 +104,6 @@ def moved(error: InputError, place: str, *, value: object = None, keys: Mapping[
 
 def unnamed(place: str, name: str, found: tuple[str, ...], defined: tuple[str, ...]) -> InputError:
     """The error of a material of a file that has no table; both lists are told."""
-    from geodem.case.table import listed, nearest
-
     return InputError(
         place, f"the file has the material {quoted(name)}, and no [material.NAME] has this name",
         f"{nearest(name, defined)}Add [{join('material', name)}], or name the groups of the file anew. The file has "

@@ -23,15 +23,16 @@ def material_rows(result: Mapping[str, Any]) -> tuple[tuple[str, ...], list[tupl
     rows: list[tuple[str, ...]] = [
         (
             row["name"], f"{row['particles']:,}", f"{row['source_size']:.5g}", f"{row['represented_size']:.5g}",
-            _signed(row["difference_percent"]), f"{row['density_kg_m3']:.5g}", f"{row['mass']:.5g}",
-            _signed(row["mass_difference_percent"]),
+            signed(row["difference_percent"]), f"{row['density_kg_m3']:.5g}", f"{row['mass']:.5g}",
+            signed(row["mass_difference_percent"]),
         )
         for row in result["materials"]
     ]  # fmt: skip
     return header, rows
 
 
-def _signed(percent: float) -> str:
+def signed(percent: float) -> str:
+    """A difference [%] with three digits after the point."""
     # what rounds to nothing has no sign
     return f"{percent:+.3f}" if abs(percent) >= 5e-4 else "0.000"
 
@@ -42,7 +43,7 @@ def contact_rows(result: Mapping[str, Any]) -> list[tuple[str, str]]:
     share = f"{100.0 * (found['reach'] - 1.0):.0f} %"
     return [
         (f"neighbours of a particle, gaps up to {share} of the radii", f"{found['coordination']:.2f} in the mean"),
-        ("particles without any", f"{found['loose']:,}"),
+        ("particles without neighbours", f"{found['loose']:,}"),
         ("largest overlap, of the smaller radius", f"{100.0 * found['largest_overlap']:.2g} %"),
         ("share of the room that particles fill", f"{result['solid_fraction']:.4f}"),
         ("radii", f"{rounded(result['smallest_radius_m'])} to {rounded(result['largest_radius_m'])}"),
