@@ -43,7 +43,9 @@ def test_a_mesh_has_the_areas_of_its_groups(folder):
 def test_millimetres_are_metres_of_the_same_ground(folder):
     case = parse_case(slope_case('mesh = "mm.msh"\nlength_unit = "mm"', "clay", "fill"), folder)
     assert make_section(case).area("fill") == pytest.approx(AREAS["fill"], rel=1e-9)
-    with pytest.raises(ValueError, match=r"section\.length_unit: the ground would be 3e\+04 m by 1e\+04 m.*mm"):
+    with pytest.raises(
+        ValueError, match=r"section\.length_unit: the ground would be 3e\+04 m by 1e\+04 m.*mm"
+    ):
         parse_case(slope_case('mesh = "mm.msh"', "clay", "fill"), folder)
 
 
