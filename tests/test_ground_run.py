@@ -1,4 +1,4 @@
-"""A case of ground in its folder: sizes and masses of closed forms, everything that a run leaves, and what it refuses."""
+"""A case of ground in its folder: sizes and masses of closed forms, all that a run leaves, what it refuses."""
 
 from __future__ import annotations
 
@@ -161,7 +161,7 @@ def test_a_quick_look_is_coarse(tmp_path):
 
 
 def test_time_step_and_cost_where_bonds_are_given(tmp_path):
-    """Bonds, masses and critical step are those of the lattice built by hand; no step is longer than that of one spring.
+    """Bonds, masses and critical step are those of the lattice built by hand; no step exceeds that of one spring.
 
     A mode of opposite neighbours has K >= 4 kn of its own two springs along an axis, so omega^2 >= 4 kn / m.
     """
@@ -240,7 +240,10 @@ def test_a_terrain_with_a_layer(tmp_path):
 def test_a_mesh_names_materials_itself(tmp_path):
     pytest.importorskip("meshio")
     write_msh(tmp_path / "section.msh")
-    head = 'workflow = "ground"\n[source]\nmesh = "section.msh"\n[particles]\nparticles = 300\n[material.clay]\ndensity = "1900 kg/m3"\n'
+    head = (
+        'workflow = "ground"\n[source]\nmesh = "section.msh"\n[particles]\nparticles = 300\n'
+        '[material.clay]\ndensity = "1900 kg/m3"\n'
+    )
     with pytest.raises(InputError, match=r'^material\.fill: missing: the source has the material "fill"'):
         make_ground(parse_ground(head, tmp_path))
     both = parse_ground(head + '[material.fill]\ndensity = "2000 kg/m3"\n', tmp_path)
@@ -301,7 +304,8 @@ def write_cube(path):
         ("particles = 1200", 'radius = "40 m"',
          r"^particles\.radius = '40 m': the ground is 12 m by 6 m: it has no room for 20 such particles"),
         ("particles = 1200", 'radius = "0.05 mm"', r"^particles\.radius = '0\.05 mm'.*about 6\.9e\+09 such particles"),
-        ("particles = 1200", 'particles = 1_000_000_000_000', r"^particles\.particles = 1000000000000: .* discs need about"),
+        ("particles = 1200", 'particles = 1_000_000_000_000',
+         r"^particles\.particles = 1000000000000: .* discs need about"),
         ("seed = 4", 'arrangement = "fcc"', r"^particles\.arrangement = 'fcc': there is no such arrangement in 2D"),
         ("seed = 4", "solid_fraction = 0.99", r"^particles\.solid_fraction = 0\.99: this is not between 0 and 0\.9"),
         ('"#d62728"', '"#d60000"', r"^source\.image = 'bank\.png': the picture shows the colour"),

@@ -11,9 +11,15 @@ from numpy.typing import NDArray
 from geodem.builders.body import Surface
 from geodem.builders.body_filling import BodyFilling
 from geodem.errors import InputError
-from geodem.plotting.bodies import draw_filling, filling_figure, filling_picture, segmentation_figure
-from geodem.plotting.spheres import render_facets
-from geodem.plotting.theme import INK, new_figure, png, style
+from geodem.plotting.bodies import (
+    draw_filling,
+    filling_figure,
+    filling_picture,
+    particle_colours,
+    segmentation_figure,
+)
+from geodem.plotting.spheres import PIXELS, render_balls, render_facets
+from geodem.plotting.theme import INK, SOFT, material_colour, new_figure, png, style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -67,9 +73,43 @@ def particles_figure(filling: BodyFilling, *, title: str) -> Figure:
 def check_figure(filling: BodyFilling, surfaces: Sequence[Surface], *, title: str) -> bytes:
     """One PNG of particles and boundaries, for a look before anything is kept; raises as `render_facets`."""
     with style():
-        if filling.dimension == 2 and surfaces:
+        if filling.dimension == 3:
+            return png(_both(filling, title))
+        if surfaces:
             return png(surfaces_figure(filling, surfaces, title=title))
         return png(particles_figure(filling, title=title))
+
+
+def _both(filling: BodyFilling, title: str) -> Figure:
+    """Spheres from outside, and without the half in front, side by side."""
+    faces = particle_colours(filling)
+    figure = new_figure(11.0, 4.8)
+    for axes, shown, words in zip(
+        figure.subplots(1, 2), (np.ones(filling.particles, dtype=bool), _behind(filling)),
+        (title, "Cut through the middle"), strict=True,
+    ):  # fmt: skip
+        image = render_balls(
+            filling.positions[shown], filling.radii[shown], faces[shown], view=VIEW, pixels=PIXELS
+        )
+        axes.imshow(image)
+        axes.set_axis_off()
+        axes.set_title(words)
+    figure.legend(
+        handles=_material_handles(filling), loc="outside lower center", ncols=min(6, len(filling.materials)),
+        labelcolor=INK,
+    )  # fmt: skip
+    return figure
+
+
+def _material_handles(filling: BodyFilling) -> list[Any]:
+    from matplotlib.patches import Patch
+
+    return [
+        Patch(
+            facecolor=material_colour(k), edgecolor=SOFT, linewidth=0.6, label=f"{share.name} ({share.particles:,})"
+        )
+        for k, share in enumerate(filling.shares)
+    ]  # fmt: skip
 
 
 def surfaces_figure(
@@ -83,11 +123,12 @@ def surfaces_figure(
         figure = _facets(surfaces, colours, title)
     else:
         figure = _lines(filling, surfaces, colours, title)
-    handles = [
+    handles: list[Any] = _material_handles(filling) if filling.dimension == 2 else []
+    handles += [
         Line2D([], [], color=colour, linewidth=3.0, label=f"{surface.name} ({len(surface.corners):,})")
         for surface, colour in zip(surfaces[:MOST_NAMES], colours, strict=False)
     ]
-    more = len(surfaces) - len(handles)
+    more = len(surfaces) - MOST_NAMES
     if more > 0:
         handles.append(Line2D([], [], color="none", label=f"and {more} more"))
     figure.legend(handles=handles, loc="outside lower center", ncols=min(4, len(handles)), labelcolor=INK)
@@ -123,7 +164,9 @@ def _facets(surfaces: Sequence[Surface], colours: Sequence[str], title: str) -> 
 
 def _inside(filling: BodyFilling) -> Figure:
     """The spheres behind the middle, as if the half that is nearer to the viewer were taken away."""
-    middle = 0.5 * (filling.positions[:, 1].min() + filling.positions[:, 1].max())
-    return filling_picture(
-        filling, title="Cut through the middle", view=VIEW, shown=filling.positions[:, 1] >= middle
-    )
+    return filling_picture(filling, title="Cut through the middle", view=VIEW, shown=_behind(filling))
+
+
+def _behind(filling: BodyFilling) -> NDArray[np.bool_]:
+    y = filling.positions[:, 1]
+    return np.asarray(y >= 0.5 * (y.min() + y.max()))

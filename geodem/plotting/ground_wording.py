@@ -44,11 +44,16 @@ def contact_rows(result: Mapping[str, Any]) -> list[tuple[str, str]]:
     return [
         (f"neighbours of a particle, gaps up to {share} of the radii", f"{found['coordination']:.2f} in the mean"),
         ("particles without neighbours", f"{found['loose']:,}"),
-        ("largest overlap, of the smaller radius", f"{100.0 * found['largest_overlap']:.2g} %"),
+        ("largest overlap, of the smaller radius", _overlap(found["largest_overlap"])),
         ("share of the room that particles fill", f"{result['solid_fraction']:.4f}"),
         ("radii", f"{rounded(result['smallest_radius_m'])} to {rounded(result['largest_radius_m'])}"),
         *([("grains or blocks told apart", f"{result['grains']:,}")] if result["grains"] else []),
     ]  # fmt: skip
+
+
+def _overlap(share: float) -> str:
+    # of a lattice only rounding is left
+    return "none" if share < 1e-9 else f"{100.0 * share:.2g} %"
 
 
 def cost_rows(result: Mapping[str, Any]) -> list[tuple[str, str]]:

@@ -17,7 +17,8 @@ DENSITY = 'density = "2000 kg/m3"'
 # sources whose files the case only names; what is in them is found when the body is made
 SOURCES = {
     "photograph": ('photograph = "f"\nscale = "2 mm/px"\nmaterials = ["a", "none", "b"]\nthresholds = [0.3, 0.6]\n'
-                   'smoothing = 1.5\nlighting = 40\nsmallest = 20\ngrains = "b"\napart = 12\norigin = ["0 m", "-2 m"]', ("a", "b")),
+                   'smoothing = 1.5\nlighting = 40\nsmallest = 20\ngrains = "b"\napart = 12\norigin = ["0 m", "-2 m"]',
+                   ("a", "b")),
     "slices": ('slices = "f"\nvoxel = ["0.1 mm", "0.1 mm", "0.3 mm"]\nlegend = {"#000000" = "a"}', ("a",)),
     "slices by brightness": ('slices = "f"\nvoxel = "0.1 mm"\nmaterials = ["a", "none"]', ("a",)),
     "grid": ('grid = "f"\nscalars = "density"\nthresholds = [-0.5, 1e3]\nmaterials = ["none", "a", "b"]', ("a", "b")),
@@ -119,35 +120,43 @@ IMAGE = 'image = "bank.png"'
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        (IMAGE, f'{IMAGE}\nmesh = "f"', r"^source: image and mesh are given\. Give exactly one of .image., .photograph."),
+        (IMAGE, f'{IMAGE}\nmesh = "f"',
+         r"^source: image and mesh are given\. Give exactly one of .image., .photograph."),
         (IMAGE, "", r"^source: nothing says what the ground is made from"),
         ("[source]", "[sauce]", r'^sauce: unknown key\. Did you mean "source"'),
         ("seed = 4", "sed = 4", r'^particles\.sed: unknown key\. Did you mean "seed"\?'),
         ("scale", "scael", r'^source\.scael: unknown key\. Did you mean "scale"\?'),
         ('"0.1 m/px"', "0.1", r'^source\.scale = 0\.1: a bare number; a picture scale.*Write "0\.1 m/px"'),
         ('"0.1 m/px"', '"10 px/m"', r'pixels per length, and length per pixel is needed\. Write "0\.1 m/px"'),
-        ("bank.png", "bnak.png", r"^source\.image = 'bnak\.png': there is no such file\. Did you mean \"bank\.png\"\?"),
+        ("bank.png", "bnak.png",
+         r"^source\.image = 'bnak\.png': there is no such file\. Did you mean \"bank\.png\"\?"),
         ('scale = "0.1 m/px"', "", r'^source\.scale: missing\. Write scale = "2 mm/px"'),
-        ("[material.seam]", "[material.saem]", r'^material\.seam: missing: the source has the material "seam"\. Did you mean '
+        ("[material.seam]", "[material.saem]",
+         r'^material\.seam: missing: the source has the material "seam"\. Did you mean '
          r'"saem"\? Add \[material\.seam\].*The source has "soil", "seam"; the case has "soil", "saem"'),
         ("[material.seam]", f"[material.peat]\n{DENSITY}\n[material.seam]",
          r'^material\.peat: the source has no such material.*one of "soil", "seam"'),
         ("particles = 1200", 'particles = 1200\nradius = "5 cm"', r"radius and particles are given\. Keep one of them"),
-        ("particles = 1200", "particles = 1_000_000_000", r"^particles\.particles = 1000000000: so many particles take days and "
+        ("particles = 1200", "particles = 1_000_000_000",
+         r"^particles\.particles = 1000000000: so many particles take days and "
          r'tens of gigabytes.*allow_implausible = \["particles\.particles"\]'),
         ("particles = 1200", "radius = 0.05", r'^particles\.radius = 0\.05: a bare number; a length needs its unit'),
-        ('"1900 kg/m3"', '"1.9 kg/m3"', r"^material\.soil\.density = '1\.9 kg/m3': ground has 500 kg/m3 to 5100 kg/m3\. Check "
+        ('"1900 kg/m3"', '"1.9 kg/m3"',
+         r"^material\.soil\.density = '1\.9 kg/m3': ground has 500 kg/m3 to 5100 kg/m3\. Check "
          r"the unit"),
-        ('density = "1900 kg/m3"', 'unit_weight = "1900 kg/m3"', r"^material\.soil\.unit_weight = '1900 kg/m3'.*is a density"),
+        ('density = "1900 kg/m3"', 'unit_weight = "1900 kg/m3"',
+         r"^material\.soil\.unit_weight = '1900 kg/m3'.*is a density"),
         ('density = "1900 kg/m3"', "", r'^material\.soil\.density: missing\. Write density = "1900 kg/m3"'),
         ('density = "1900 kg/m3"', 'file = "g.toml"', r"^material\.soil\.file = 'g\.toml': there is no such file"),
         ('"1900 kg/m3"', '"1900 kg/m3"\nlaw = "rock"', r"^material\.soil\.effective_modulus: missing"),
-        ("seed = 4", 'arrangement = "hexagonal"\nseed = 4', r'^particles\.seed = 4: this belongs to arrangement = "random"'),
+        ("seed = 4", 'arrangement = "hexagonal"\nseed = 4',
+         r'^particles\.seed = 4: this belongs to arrangement = "random"'),
         ("seed = 4", 'arrangement = "hexagon"', r'^particles\.arrangement = .hexagon.*Did you mean "hexagonal"'),
         ("seed = 4", "size_ratio = 0.5", r"^particles\.size_ratio = 0\.5: largest over smallest"),
         ("particles = 1200", 'grading = [{radius = "9 mm", passing = "0 %"}, {radius = "5 mm", passing = "100 %"}]',
          r"^particles\.grading: .*do not grow|^particles\.grading = .*do not grow"),
-        ('scale = "0.1 m/px"', 'scale = "0.1 m/px"\nthresholds = [0.4]', r"^source\.thresholds = \[0\.4\]: this belongs to photograph"),
+        ('scale = "0.1 m/px"', 'scale = "0.1 m/px"\nthresholds = [0.4]',
+         r"^source\.thresholds = \[0\.4\]: this belongs to photograph"),
         ("#d62728", "#8C6D31", r"this colour stands in the legend twice"),
     ],
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Sections of slopes from meshes and terrains: what is read, what is refused, and that a case writes back what it is."""
+"""Sections of slopes from meshes and terrains: what is read, what is refused, what a case writes back."""
 
 from __future__ import annotations
 
@@ -129,16 +129,19 @@ MESH = 'mesh = "section.msh"'
         (MESH, ("clay", "filling"), r'Did you mean "filling"\?.*the case has "clay", "filling"'),
         ('mesh = "sektion.msh"', ("clay",), r"section\.mesh = 'sektion.msh': there is no such file\. Did you mean "
                                             r'"section\.msh"\?'),
-        (f'{MESH}\nscale = "1 m/px"', ("clay", "fill"), r"section\.scale = '1 m/px': this belongs to a section from an image"),
+        (f'{MESH}\nscale = "1 m/px"', ("clay", "fill"),
+         r"section\.scale = '1 m/px': this belongs to a section from an image"),
         (f"{MESH}\n{TERRAIN}", ("clay",), r"section: mesh and terrain are both given.*exactly one"),
         (f'{MESH}\nparticles_on = "knots"', ("clay", "fill"), r'section\.particles_on = .knots.*"polygons", "nodes"'),
-        (f'{MESH}\nparticles_on = "nodes"', ("clay", "fill"), r"^particles = 400: the nodes of the mesh are the particles"),
+        (f'{MESH}\nparticles_on = "nodes"', ("clay", "fill"),
+         r"^particles = 400: the nodes of the mesh are the particles"),
         (f'{MESH}\nlength_unit = "mi"', ("clay", "fill"), r"section\.length_unit = 'mi'"),
         ('mesh = "hill.asc"', ("clay",), r"section\.mesh = 'hill\.asc': files of the kind '\.asc' are not read"),
         (f'{MESH}\nsize = "1 m"', ("clay", "fill"), r"section\.size = 1\.0: section\.msh is a mesh already"),
         ('terrain = "hill.asc"\nbase = "30 m"', ("rock",), r"section\.line: missing"),
         (f'terrain = "hill.asc"\n{LINE}', ("rock",), r"section\.base: missing"),
-        (TERRAIN.replace('"30 m"', "30"), ("rock",), r'section\.base = 30: a bare number; a length needs its unit.*"30 m"'),
+        (TERRAIN.replace('"30 m"', "30"), ("rock",),
+         r'section\.base = 30: a bare number; a length needs its unit.*"30 m"'),
         (TERRAIN.replace('"30 m"', '"60 m"'), ("rock",), r"section\.base = 60\.0: the surface goes down to 54 m"),
         (TERRAIN.replace("90", "900"), ("rock",), r"section\.line: it leaves the terrain at"),
         (TERRAIN.replace("[90, 40]", "[90]"), ("rock",), r"section\.line\[1\] = \[90\]: two numbers are needed"),
@@ -150,7 +153,8 @@ MESH = 'mesh = "section.msh"'
          r"section\.layers\[0\]\.depth = '3 m': the last layer reaches down to the base"),
         (f"{TERRAIN}\nlayers = 3", ("clay",), r"section\.layers = 3: a list is needed"),
         (f"{TERRAIN}\ndegrees = 1", ("rock",), r"section\.degrees = 1: a switch is needed"),
-        (TERRAIN.replace("hill.asc", "section.msh"), ("rock",), r"section\.terrain = 'section\.msh': this is no terrain"),
+        (TERRAIN.replace("hill.asc", "section.msh"), ("rock",),
+         r"section\.terrain = 'section\.msh': this is no terrain"),
     ],
 )  # fmt: skip
 def test_what_is_refused(folder, section, names, said):
