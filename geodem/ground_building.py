@@ -1,37 +1,29 @@
-"""From a case of ground to its body, its particles, and what they would cost to move."""
+"""From a case of ground to its body and its particles."""
 
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._jit import compile_seconds
 from .builders.body import Body
-from .builders.body_filling import BodyFilling, add_body
+from .builders.body_filling import BodyFilling
 from .builders.fill_body import fill_body
-from .builders.memory import needed_bytes
 from .case.ground import GroundCase, GroundSource
 from .case.ground_reading import MANY, mismatches
 from .case.source_files import metres, moved
 from .case.table import join
 from .errors import InputError, InputErrors
-from .units import GRAVITY, show
+from .units import show
 
 if TYPE_CHECKING:
-    from .assembly import Assembly
     from .builders.segmentation import Segmentation
 
 FEWEST = 20
 """Particles that a radius must leave room for: fewer come of a mistaken unit more often than of a wish."""
-NEIGHBOURS = 1.05
-"""Particles up to this many times the sum of their radii apart are told as neighbours."""
-PROBE_STEPS = 20
-COST_STEPS = 1000
 _PLACES = {
     "arrangement": "arrangement", "radius": "radius", "particles": "particles", "grading": "grading",
     "solid_fraction": "solid_fraction", "size_ratio": "size_ratio", "seed": "seed",
@@ -54,32 +46,6 @@ class GroundBody:
     body: Body
     picture: NDArray[Any] | None = None
     segmentation: Segmentation | None = None
-
-
-@dataclass(frozen=True)
-class Cost:
-    """What moving the particles would take.
-
-    Attributes
-    ----------
-    time_step : float [s]
-        Half the critical one; NaN where nothing tells the stiffnesses.
-    critical_time_step : float [s]
-    step_seconds : float [s]
-        Run time of a step.
-    bonds : int
-    memory_bytes : int
-    why : str
-        Why there is no time step, empty where there is one.
-    """
-
-    time_step: float
-    critical_time_step: float
-    step_seconds: float
-    bonds: int
-    memory_bytes: int
-    why: str = ""
-    compile_seconds: float = 0.0
 
 
 def make_body(case: GroundCase) -> GroundBody:
@@ -146,67 +112,6 @@ def fill(case: GroundCase, body: Body) -> BodyFilling:
         return fill_body(body, **options.arguments())
     except InputError as error:
         raise moved(error, f"particles.{key}", value=error.value, keys=_PLACES) from error
-
-
-def cost(case: GroundCase, filling: BodyFilling) -> Cost:
-    """Time step, run time and memory of the particles as an assembly under gravity, bonded as the case says."""
-    d, count = filling.dimension, filling.particles
-    bonded = [material.bonded for material in case.materials.values()]
-    if None in bonded:
-        lacking = ", ".join(name for name, material in case.materials.items() if material.bonded is None)
-        return Cost(
-            math.nan, math.nan, math.nan, 0, needed_bytes(d, count), f"no stiffness is given for {lacking}"
-        )
-    laws = {(own.bond_law, own.contact_law) for own in bonded if own is not None}
-    if len(laws) > 1:
-        return Cost(
-            math.nan, math.nan, math.nan, 0, needed_bytes(d, count), "the materials have several laws"
-        )
-    from .particle_simulation import ParticleSimulation
-
-    assembly = _assembly(case, filling)
-    before = compile_seconds()
-    motion = ParticleSimulation(assembly, local_damping=0.7)
-    motion.run(2)
-    begun = time.perf_counter()
-    motion.run(PROBE_STEPS)
-    seconds = (time.perf_counter() - begun) / PROBE_STEPS
-    bonds = len(assembly.bonds)
-    return Cost(
-        time_step=motion.time_step,
-        critical_time_step=motion.critical_time_step,
-        step_seconds=seconds,
-        bonds=bonds,
-        memory_bytes=needed_bytes(d, count, bonds),
-        compile_seconds=compile_seconds() - before,
-    )
-
-
-def _assembly(case: GroundCase, filling: BodyFilling) -> Assembly:
-    from .builders.assembly_builder import AssemblyBuilder
-
-    d = filling.dimension
-    materials = {name: case.materials[name] for name in filling.materials}
-    first = next(iter(materials.values())).bonded
-    assert first is not None
-    gravity = (0.0,) * (d - 1) + (-GRAVITY,)
-    build = AssemblyBuilder(d, contact_law=first.contact_law, bond_law=first.bond_law, gravity=gravity)
-    for name, material in materials.items():
-        own = material.bonded
-        assert own is not None
-        build.add_material(name, density=material.density, contact=dict(own.contact), bond=dict(own.bond))
-    add_body(build, filling, {name: material.density for name, material in materials.items()})
-    names = list(materials)
-    for k, name in enumerate(names):
-        for other in names[k:]:
-            a, b = materials[name].bonded, materials[other].bonded
-            assert a is not None
-            assert b is not None
-            weaker = a if a.bonding_range <= b.bonding_range else b
-            build.bond_within(
-                weaker.bonding_range, (name, other), scale=weaker.scatter(case.particles.seed + k)
-            )
-    return build.build()
 
 
 def _image(source: GroundSource) -> GroundBody:

@@ -9,21 +9,22 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .builders.body import Surface
 from .builders.body_filling import BodyFilling
 from .builders.body_filling_file import load_filling, save_filling
 from .case.ground import GroundCase
 from .errors import InputError, StoppedError
-from .ground_building import COST_STEPS, NEIGHBOURS, Cost, GroundBody, cost, fill, make_body
+from .ground_building import GroundBody, fill, make_body
+from .ground_cost import cost
 from .ground_files import read_surfaces, write_particles, write_surfaces
+from .ground_result import assemble
 from .io.checkpoint import checksum
 from .io.files import cannot_write, read_json, write_json, write_whole
 from .io.run_folder import claim_folder
 from .plotting.ground_pictures import ground_pictures
 from .plotting.ground_report import write_ground_report
-from .provenance import sources_digest, versions
+from .provenance import sources_digest
 
 QUICK_PARTICLES = 2000
 FILLING = "filling.npz"
@@ -88,96 +89,6 @@ def make_ground(
     result = assemble(case, made, filling, price)
     stage("drawing")
     return Ground(made, filling, result | {"wall_time_s": round(time.perf_counter() - begun, 3)})
-
-
-def assemble(case: GroundCase, made: GroundBody, filling: BodyFilling, price: Cost) -> dict[str, Any]:
-    """The content of result.json, but for what the run itself knows."""
-    body = made.body
-    touching = filling.contacts(NEIGHBOURS)
-    return {
-        "workflow": case.workflow,
-        "title": case.title,
-        "status": "done",
-        "kind_of_result": "ground: particles of a body, before anything is run",
-        "particles": filling.particles,
-        "dimension": filling.dimension,
-        "source": {"kind": case.source.kind, "files": [path.name for path in case.source.files.values()]},
-        "bounds_m": np.asarray(body.bounds).tolist(),
-        "materials": _materials(case, filling),
-        "contacts": {
-            "reach": NEIGHBOURS,
-            "pairs": touching.pairs,
-            "coordination": touching.coordination,
-            "largest_overlap": touching.largest_overlap,
-            "loose": touching.loose,
-        },
-        "arrangement": filling.arrangement,
-        "solid_fraction": filling.solid_fraction,
-        "smallest_radius_m": float(filling.radii.min()),
-        "largest_radius_m": float(filling.radii.max()),
-        "grains": len(np.unique(filling.group[filling.group >= 0])),
-        "surfaces": [
-            {"name": s.name, "facets": len(s.corners), "size": float(_sizes(s.corners).sum())}
-            for s in body.surfaces
-        ],
-        "cost": {
-            "memory_bytes": price.memory_bytes,
-            "bonds": price.bonds,
-            "critical_time_step_s": price.critical_time_step,
-            "seconds_per_1000_steps": COST_STEPS * price.step_seconds,
-            "why": price.why,
-        },
-        "steps": 0,
-        "compile_time_s": round(price.compile_seconds, 3),
-        "seed": case.particles.seed,
-        "versions": versions(),
-        "notices": [*case.notices, *_thresholds(made)],
-        "warnings": [*case.questions, *filling.remarks],
-        "digest": checksum(
-            {"positions": filling.positions, "radii": filling.radii, "material": filling.material}
-        ),
-    }
-
-
-def _materials(case: GroundCase, filling: BodyFilling) -> list[dict[str, Any]]:
-    densities = {name: material.density for name, material in case.materials.items()}
-    d = filling.dimension
-    volume = np.pi * filling.radii**2 if d == 2 else 4.0 / 3.0 * np.pi * filling.radii**3
-    mass = np.bincount(
-        filling.material, volume * filling.density(densities), minlength=len(filling.materials)
-    )
-    return [
-        {
-            "name": share.name,
-            "particles": share.particles,
-            "source_size": share.source,
-            "represented_size": share.represented,
-            "difference_percent": 100.0 * share.difference,
-            "density_kg_m3": densities[share.name],
-            "mass": float(mass[k]),
-            "mass_difference_percent": 100.0
-            * (float(mass[k]) / (share.source * densities[share.name]) - 1.0),
-        }
-        for k, share in enumerate(filling.shares)
-    ]
-
-
-def _sizes(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Length or area (f,) of facets (f, d, d)."""
-    if corners.shape[1] == 2:
-        return np.asarray(np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1))
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return np.asarray(0.5 * np.linalg.norm(normal, axis=1))
-
-
-def _thresholds(made: GroundBody) -> list[str]:
-    if made.segmentation is None:
-        return []
-    cut = made.segmentation
-    return [
-        f"source: cut at the brightness {', '.join(f'{value:.3f}' for value in cut.thresholds)} (0 black, 1 white); "
-        f"{100.0 * cut.separability:.0f} % of its variance lies between the classes."
-    ]
 
 
 def run_ground(
@@ -255,8 +166,12 @@ def _write(
     write_whole(out / "case.toml", text)
     try:
         save_filling(ground.filling, out / FILLING)
-    except OSError as error:
-        raise cannot_write(out / FILLING, error) from error
+    except BaseException as error:
+        for draft in out.glob(f".{Path(FILLING).stem}.*.npz"):
+            draft.unlink()
+        if isinstance(error, OSError):
+            raise cannot_write(out / FILLING, error) from error
+        raise
     filling = ground.filling
     densities = {row["name"]: row["density_kg_m3"] for row in ground.result["materials"]}
     write_particles(out / PARTICLES, filling, filling.density(densities))

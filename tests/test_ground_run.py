@@ -17,7 +17,8 @@ from geodem.builders.assembly_builder import AssemblyBuilder
 from geodem.builders.body_filling_file import load_filling
 from geodem.case import load_ground, parse_ground
 from geodem.errors import InputError, StoppedError
-from geodem.ground_building import cost, fill, make_body
+from geodem.ground_building import fill, make_body
+from geodem.ground_cost import cost
 from geodem.ground_files import read_surfaces
 from geodem.ground_run import make_ground, portable, redraw_ground
 from geodem.particle_simulation import ParticleSimulation

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from geodem.builders.body import Surface
 from geodem.builders.body_filling import BodyFilling
+from geodem.builders.mesh_body import REST
 from geodem.errors import InputError
 from geodem.plotting.bodies import (
     draw_filling,
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
 LINES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#6b5200", "#1f2933")
 """Colours of boundaries, repeated after eight (M. Okabe & K. Ito 2008)."""
+UNNAMED = "#9aa5b1"
 MOST_NAMES = 12
 """Boundaries that are named in a picture."""
 VIEW = (-60.0, 25.0)
@@ -118,7 +120,8 @@ def surfaces_figure(
     """The named boundaries: lines over the discs, or facets."""
     from matplotlib.lines import Line2D
 
-    colours = [LINES[k % len(LINES)] for k in range(len(surfaces))]
+    # what is in no group is seen through
+    colours = [UNNAMED if s.name == REST else LINES[k % len(LINES)] for k, s in enumerate(surfaces)]
     if filling.dimension == 3:
         figure = _facets(surfaces, colours, title)
     else:
@@ -151,7 +154,9 @@ def _lines(filling: BodyFilling, surfaces: Sequence[Surface], colours: Sequence[
 
 
 def _facets(surfaces: Sequence[Surface], colours: Sequence[str], title: str) -> Figure:
-    image = render_facets([surface.corners for surface in surfaces], colours, view=VIEW)
+    named = any(surface.name != REST for surface in surfaces)
+    opacities = [0.3 if named and surface.name == REST else 1.0 for surface in surfaces]
+    image = render_facets([surface.corners for surface in surfaces], colours, opacities, view=VIEW)
     figure = new_figure(7.6, 7.6 * image.shape[0] / image.shape[1] + 0.9)
     axes: Any = figure.subplots()
     axes.imshow(image)

@@ -68,17 +68,21 @@ def render_balls(
 
 
 def render_facets(
-    pieces: Sequence[Floats], colours: Sequence[str], *, view: tuple[float, float] = (-60.0, 22.0)
+    pieces: Sequence[Floats],
+    colours: Sequence[str],
+    opacities: Sequence[float],
+    *,
+    view: tuple[float, float] = (-60.0, 22.0),
 ) -> NDArray[np.uint8]:
     """A picture of surfaces, each facets (f, 3, 3) [m] of one colour; errors as of `render_spheres`."""
 
     def draw(plotter: Any, towards: Floats) -> list[Floats]:
         import pyvista
 
-        for corners, colour in zip(pieces, colours, strict=True):
+        for corners, colour, opacity in zip(pieces, colours, opacities, strict=True):
             faces = np.insert(np.arange(3 * len(corners)).reshape(-1, 3), 0, 3, axis=1)
             plotter.add_mesh(
-                pyvista.PolyData(corners.reshape(-1, 3), faces.ravel()), color=colour, ambient=0.4,
+                pyvista.PolyData(corners.reshape(-1, 3), faces.ravel()), color=colour, opacity=opacity, ambient=0.4,
                 diffuse=0.6, show_edges=len(corners) < 5000, edge_color="#5f6c7b", line_width=0.6,
             )  # fmt: skip
         every = np.concatenate([corners.reshape(-1, 3) for corners in pieces])
