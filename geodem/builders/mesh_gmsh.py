@@ -6,7 +6,10 @@ mesh. A session that the caller has open keeps its models and options.
 
 from __future__ import annotations
 
+import ctypes
+import os
 import re
+import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -83,6 +86,23 @@ def gmsh_session(path: Path) -> Iterator[Any]:
                 gmsh.model.setCurrent(current)
 
 
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Nothing on the standard output: OpenCASCADE writes there what it makes of a broken file, past gmsh's options."""
+    sys.stdout.flush()
+    kept = os.dup(1)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 1)
+        yield
+    finally:
+        # what the library holds back would come out later
+        ctypes.CDLL(None).fflush(None)
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(nowhere)
+
+
 def read_with_gmsh(path: Path, size: float | None, names: Mapping[int, str] | None) -> MeshSource:
     """Mesh a .geo or STEP file.
 
@@ -104,7 +124,8 @@ def read_with_gmsh(path: Path, size: float | None, names: Mapping[int, str] | No
         try:
             step = path.suffix.lower() in STEP
             if step:
-                gmsh.model.occ.importShapes(str(path), highestDimOnly=True)
+                with _silence():
+                    gmsh.model.occ.importShapes(str(path), highestDimOnly=True)
                 gmsh.model.occ.synchronize()
             else:
                 # not `open`, which would leave the model of this session behind

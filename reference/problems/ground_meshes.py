@@ -96,7 +96,7 @@ def write_stl(path: Path, corners: Floats) -> Path:
 
 
 def egg(count: int) -> tuple[Floats, float]:
-    """Triangles (f, 3, 3) [m] of the hull of points on an ellipsoid of 12 by 10 by 8 m, and its volume [m3] by qhull."""
+    """Triangles (f, 3, 3) [m] of the hull of points on an ellipsoid, 12 m long, and its volume [m3] by qhull."""
     from scipy.spatial import ConvexHull
 
     # evenly spread: a golden spiral
@@ -224,14 +224,14 @@ def hole_rows(name: str, filled: Particles, seconds: float) -> list[Row]:
     def exact(points: Floats) -> Floats:
         return kirsch_stress(points, 1.0, -10e6, -30e6)
 
-    outer = (np.abs(positions) > HALF - 1e-9).any(axis=1)
+    outer: NDArray[np.bool_] = np.asarray((np.abs(positions) > HALF - 1e-9).any(axis=1))
     held = np.zeros((len(positions), 2), dtype=bool)
     # on the axes of symmetry nothing moves across them
     for axis in (0, 1):
         for sign in (-1.0, 1.0):
-            spot = np.zeros(2)
-            spot[axis] = sign * HALF
-            held[int(np.argmin(np.hypot(*(positions - spot).T))), 1 - axis] = True
+            end = np.zeros(2)
+            end[axis] = sign * HALF
+            held[int(np.argmin(np.hypot(*(positions - end).T))), 1 - axis] = True
     model = ground(
         filled, material(young=10e9, poisson=0.25), held=held, load=boundary_traction(filled, outer, exact)
     )
