@@ -10,6 +10,7 @@ import ctypes
 import os
 import re
 import sys
+import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -128,8 +129,7 @@ def read_with_gmsh(path: Path, size: float | None, names: Mapping[int, str] | No
                     gmsh.model.occ.importShapes(str(path), highestDimOnly=True)
                 gmsh.model.occ.synchronize()
             else:
-                # not `open`, which would leave the model of this session behind
-                gmsh.merge(str(path))
+                _merge_geo(gmsh, path)
         except Exception as error:
             raise InputError(
                 str(path), f"gmsh cannot read the file ({_said(gmsh, error)})",
@@ -162,6 +162,21 @@ def read_with_gmsh(path: Path, size: float | None, names: Mapping[int, str] | No
         _take_elements(gmsh, path, top, groups, source)
         source.remarks += _lost(source, top, own)
         return source
+
+
+def _merge_geo(gmsh: Any, path: Path) -> None:
+    """Read a .geo file into the model; gmsh skips a last line without a break."""
+    text = path.read_bytes()
+    if text.endswith(b"\n"):
+        # not `open`, which would leave the model of this session behind
+        gmsh.merge(str(path))
+        return
+    if re.search(rb"\b(Include|Merge|ShapeFromFile)\b", text):
+        raise ValueError("its last line has no break, so that it would be skipped")
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / path.name
+        copy.write_bytes(text + b"\n")
+        gmsh.merge(str(copy))
 
 
 def _said(gmsh: Any, error: Exception) -> str:
@@ -214,6 +229,11 @@ def _groups(
                     f"and {name!r}", "Leave one, which names the material.",
                 )  # fmt: skip
     tags = [tag for _, tag in gmsh.model.getEntities(top)]
+    for tag in set(names or ()) - set(tags):
+        raise InputError(
+            str(path), f"it has no {'surface' if top == 2 else 'volume'} {tag}",
+            f"Name one of {', '.join(map(str, tags))}.", value=names,
+        )  # fmt: skip
     if not groups[top]:
         labels = {tag: gmsh.model.getEntityName(top, tag).rsplit("/", 1)[-1].strip() for tag in tags}
         # what OpenCASCADE writes where the program that drew the body gave no name
@@ -223,11 +243,6 @@ def _groups(
     groups[top].update({tag: name for tag, name in (names or {}).items() if tag in tags})
     if not groups[top] and len(tags) > 1:
         raise ungrouped(path, "surfaces" if top == 2 else "volumes", tags)
-    for tag in set(names or ()) - set(tags):
-        raise InputError(
-            str(path), f"it has no {'surface' if top == 2 else 'volume'} {tag}",
-            f"Name one of {', '.join(map(str, tags))}.", value=names,
-        )  # fmt: skip
     return groups
 
 

@@ -188,15 +188,18 @@ def _choose_array(
                 f"Name one of {', '.join(map(repr, arrays)) or 'none: it has no array'}.", value=wanted,
             )  # fmt: skip
         return wanted
-    low = {name.lower(): name for name in arrays}
-    for name in ARRAYS:
-        if name in low:
-            return low[name]
     if path.suffix.lower() == ".msh":
+        # 0: in no physical group
+        if set(_tags(arrays.get("gmsh:physical"), blocks, tops)) - {0}:
+            return "gmsh:physical"
         tags = _tags(arrays.get("gmsh:geometrical"), blocks, tops)
         if len(tags) > 1 and not set(tags) <= set(names or ()):
             raise ungrouped(path, "surfaces" if tops == 2 else "volumes", tags)
         return "gmsh:geometrical" if names else None
+    low = {name.lower(): name for name in arrays}
+    for name in ARRAYS:
+        if name in low:
+            return low[name]
     whole = [
         name
         for name, values in arrays.items()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from geodem.builders.mesh_gmsh import gmsh_session
 from geodem.builders.mesh_reading import read_mesh
 from geodem.errors import InputError
 from tests.builders.mesh_files import CUBE, FOUR, SQUARE, cube_facets, square, write_msh, write_stl
@@ -51,16 +52,21 @@ def test_elements_left_out_of_the_groups(tmp_path):
         read_mesh(path)
 
 
-def test_several_surfaces_without_groups(tmp_path):
-    path = square(tmp_path / "s.msh", group=0, names=())
-    lines = path.read_text().splitlines()
-    first = lines.index("$Elements") + 2
-    # without a number of a physical group, meshio takes the first for that of the surface
-    for k in range(4):
-        lines[first + k] = lines[first + k].replace(" 2 2 0 0 ", f" 2 1 {1 + k // 2} ")
-    path.write_text("\n".join(lines) + "\n")
+@pytest.mark.parametrize("version", [2.2, 4.1])
+def test_several_surfaces_without_groups(tmp_path, version):
+    path = tmp_path / "s.msh"
+    with gmsh_session(path) as gmsh:
+        for x in (0.0, 3.0):
+            gmsh.model.occ.addRectangle(x, 0.0, 0.0, 2.0, 1.0)
+        gmsh.model.occ.synchronize()
+        gmsh.model.mesh.generate(2)
+        gmsh.option.setNumber("Mesh.MshFileVersion", version)
+        gmsh.write(str(path))
     with pytest.raises(InputError, match=r"2 surfaces \(1, 2\) without physical groups"):
         read_mesh(path)
+    mesh = read_mesh(path, names={1: "clay", 2: "sand"})
+    assert mesh.materials == ("clay", "sand")
+    assert mesh.sizes == pytest.approx([2.0, 2.0])
 
 
 def test_array_that_is_not_known_to_number_materials(tmp_path):
