@@ -11,7 +11,7 @@ GROUPS = (
     Group(
         "ground-bodies",
         "Pictures, slices, grids, terrain",
-        "What the source holds, what the body made of it holds, what its particles stand for, and what they weigh in an "
+        "What the source holds, what the body made of it holds, what its particles stand for and weigh in an "
         "assembly, of every material. Drawing and slices are drawn from closed forms; the photographs come with "
         "scikit-image, the channels with pyvista, the elevations with matplotlib.\n\n"
         "![Drawing](pictures/body_drawing.png)\n\n![Slices](pictures/body_slices.png)\n\n"
