@@ -190,10 +190,29 @@ def _read_npz(source: Path, place: str) -> Read:
             value=str(source),
         )  # fmt: skip
     step = np.abs(np.array([float(held["dx"]), float(held["dy"])]))
-    # some archives have the names of the northern and southern edge exchanged
-    origin = [min((float(held[k]) for k in keys if k in held), default=0.0) for keys in
-              (("xmin", "xmax"), ("ymin", "ymax"))]  # fmt: skip
-    return _northern(held["elevation"]), np.array(origin), step, False
+    rows = np.asarray(held["elevation"])
+    if rows.ndim != 2:
+        raise InputError(
+            place, f"elevation has the shape {rows.shape}", "Give rows of heights.", value=str(source)
+        )
+    origin = [
+        _first(held, axis, count, side)
+        for axis, count, side in zip("xy", rows.shape[::-1], step, strict=True)
+    ]
+    return _northern(rows), np.array(origin), step, False
+
+
+def _first(held: dict[str, np.ndarray], axis: str, count: int, side: float) -> float:
+    """Coordinate of the first height along an axis, from what the archive says of its edges.
+
+    Some archives have the names of the northern and southern edge exchanged.
+    """
+    edges = sorted(float(held[name]) for name in (f"{axis}min", f"{axis}max") if name in held)
+    if not edges:
+        return 0.0
+    # as wide as all cells together: heights stand for the middles of cells
+    cells = len(edges) == 2 and side > 0.0 and abs((edges[1] - edges[0]) / side - count) < 0.25
+    return edges[0] + (0.5 * side if cells else 0.0)
 
 
 def _step(values: Floats, name: str, place: str) -> float:
