@@ -88,7 +88,7 @@ def gmsh_session(path: Path) -> Iterator[Any]:
 
 
 @contextmanager
-def _silence() -> Iterator[None]:
+def silence() -> Iterator[None]:
     """Nothing on the standard output: OpenCASCADE writes there what it makes of a broken file, past gmsh's options."""
     sys.stdout.flush()
     kept = os.dup(1)
@@ -125,7 +125,7 @@ def read_with_gmsh(path: Path, size: float | None, names: Mapping[int, str] | No
         try:
             step = path.suffix.lower() in STEP
             if step:
-                with _silence():
+                with silence():
                     gmsh.model.occ.importShapes(str(path), highestDimOnly=True)
                 gmsh.model.occ.synchronize()
             else:
