@@ -31,7 +31,8 @@ def draw(fields: Sequence[Field], folder: Path = PICTURES) -> Path:
         axes: Any = left
         xx, yy, xy = first.stress.T[:3] / 1e6
         most = -(0.5 * (xx + yy) - np.hypot(0.5 * (xx - yy), xy))
-        mesh = Triangulation(*first.particles.positions.T, first.particles.triangles)
+        x, y = first.particles.positions.T
+        mesh = Triangulation(x, y, first.particles.triangles)
         tinted = axes.tripcolor(mesh, most, shading="gouraud", cmap="viridis", vmin=0.0, vmax=80.0)
         axes.triplot(mesh, color="white", linewidth=0.15, alpha=0.6)
         axes.set(xlim=(-SEEN, SEEN), ylim=(-SEEN, SEEN), aspect="equal", xlabel="x [m]", ylabel="y [m]")
