@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from geodem.builders.mesh_file import CORNERS
-from geodem.builders.mesh_source import Elements, MeshSource, ungrouped
+from geodem.builders.gmsh_elements import drawn_size, size_remarks, take_elements
+from geodem.builders.mesh_source import MeshSource, ungrouped
 from geodem.errors import InputError
 
 STEP = (".step", ".stp")
@@ -37,8 +37,6 @@ OPTIONS = {
     "Mesh.MeshSizeMax": 1e22,
     "Geometry.OCCImportLabels": 1.0,
 }
-KINDS = {1: "line", 2: "triangle", 3: "quad", 4: "tetra", 5: "hexahedron", 6: "wedge", 7: "pyramid"}
-"""gmsh's numbers of the linear elements."""
 FIRST_SIZE = 20.0
 """Elements over the span where no size is given for a STEP file."""
 SAME = 1e-6
@@ -151,7 +149,8 @@ def read_with_gmsh(path: Path, size: float | None, names: Mapping[int, str] | No
         groups = _groups(gmsh, path, top, names, source)
         if size is not None:
             gmsh.option.setNumber("Mesh.MeshSizeMax", size)
-        own = _sizes(gmsh, top)
+        used = _used(gmsh, top, groups, source)
+        drawn = drawn_size(gmsh, top, used)
         try:
             gmsh.model.mesh.generate(top)
         except Exception as error:
@@ -159,8 +158,8 @@ def read_with_gmsh(path: Path, size: float | None, names: Mapping[int, str] | No
                 str(path), f"gmsh cannot mesh it ({_said(gmsh, error)})",
                 "Mesh it in gmsh to see where, or give another size.",
             ) from None  # fmt: skip
-        _take_elements(gmsh, path, top, groups, source)
-        source.remarks += _lost(source, top, own)
+        take_elements(gmsh, path, top, used, groups, source)
+        source.remarks += size_remarks(source, top, drawn)
         return source
 
 
@@ -246,54 +245,18 @@ def _groups(
     return groups
 
 
-def _sizes(gmsh: Any, top: int) -> dict[int, float]:
-    """Area or volume of each body as drawn; only OpenCASCADE knows."""
-    known = set(gmsh.model.occ.getEntities(top))
-    return {tag: float(gmsh.model.occ.getMass(top, tag)) for _, tag in known}
-
-
-def _take_elements(
-    gmsh: Any, path: Path, top: int, groups: dict[int, dict[int, str]], source: MeshSource
-) -> None:
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    number = np.full(int(tags.max(initial=0)) + 1, -1, dtype=np.int64)
-    number[tags.astype(np.int64)] = np.arange(len(tags))
-    source.points = np.reshape(coordinates, (-1, 3)).copy()
-    for dimension in (top - 1, top):
-        for _, entity in gmsh.model.getEntities(dimension):
-            kinds, _, nodes = gmsh.model.mesh.getElements(dimension, entity)
-            for kind, corners in zip(kinds.tolist(), nodes, strict=True):
-                if kind not in KINDS:
-                    raise InputError(
-                        str(path), "its elements have nodes between their corners", "Mesh it with order 1."
-                    )
-                rows = number[corners.astype(np.int64)].reshape(-1, CORNERS[KINDS[kind]])
-                group = np.full(len(rows), source.group_number(dimension, groups[dimension].get(entity)))
-                source.elements.append(Elements(KINDS[kind], rows, group))
-    if source.dimension < top:
-        raise InputError(str(path), "gmsh made no elements of it", "Mesh it in gmsh to see why.")
-
-
-def _lost(source: MeshSource, top: int, own: dict[int, float]) -> list[str]:
-    """What flat sides of elements leave out of curved bodies."""
-    from geodem.builders.mesh import simplex_sizes
-
-    drawn = sum(own.values())
-    if drawn <= 0.0:
-        return []
-    kind = "triangle" if top == 2 else "tetra"
-    cells = [part.corners for part in source.elements if part.kind == kind]
-    if sum(len(part.corners) for part in source.elements if part.dimension == top) != sum(map(len, cells)):
-        return []
-    flat = source.points[np.concatenate(cells)][..., :top]
-    made = float(np.abs(simplex_sizes(flat)).sum())
-    if abs(made / drawn - 1.0) < 1e-4:
-        return []
-    unit = "area" if top == 2 else "volume"
-    return [
-        f"Elements with flat sides hold {100.0 * (made / drawn - 1.0):+.2f} % of the {unit} as drawn; smaller ones "
-        "hold more."
-    ]
+def _used(gmsh: Any, top: int, groups: dict[int, dict[int, str]], source: MeshSource) -> list[int]:
+    """Surfaces or volumes that are ground: those in a physical group, as where gmsh writes a mesh, else all."""
+    tags = [int(tag) for _, tag in gmsh.model.getEntities(top)]
+    if not gmsh.model.getPhysicalGroups(top):
+        return tags
+    left = [tag for tag in tags if tag not in groups[top]]
+    if left:
+        what = "surfaces" if top == 2 else "volumes"
+        source.remarks.append(
+            f"{len(left)} {what} in no physical group were left out: {', '.join(map(str, left[:10]))}."
+        )
+    return [tag for tag in tags if tag in groups[top]]
 
 
 def step_unit(path: Path) -> float | None:

@@ -7,6 +7,7 @@ import pytest
 import shapely
 
 from geodem.boundaries import walls
+from geodem.builders.fill_body import fill_body
 from geodem.builders.from_mesh import (
     element_particles,
     particles_from_mesh,
@@ -105,6 +106,23 @@ def test_section_has_the_outlines_of_the_materials(graded):
     corners = filled.positions[filled.triangles]
     area = 0.5 * np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1]))
     assert np.bincount(filled.triangle_material, area) == pytest.approx([11.0, 1.0])
+
+
+def test_thin_layer_is_told_in_the_filling(tmp_path):
+    """A seam of 0.1 m with discs every 0.1 m: half of it may be lost, and that is said."""
+    levels = [0.0, 1.0, 1.1, 2.0]
+    nodes = [(x, y) for y in levels for x in (0.0, 4.0)]
+    elements = [("quad", (2 * k, 2 * k + 1, 2 * k + 3, 2 * k + 2), 1 + k) for k in range(3)]
+    names = [(2, 1, "rock"), (2, 2, "seam"), (2, 3, "soil")]
+    body = MeshBody(read_mesh(write_msh(tmp_path / "s.msh", nodes, elements, names)))
+    filling = fill_body(body, arrangement="hexagonal", radius=0.06)
+    said = " ".join(filling.remarks)
+    assert "seam is about" in said
+    assert "particles across" in said
+    off = filling.shares[1].difference
+    assert abs(off) > 0.005
+    assert f"seam stand for {100.0 * off:+.2f} % of its size" in said
+    assert f"{100.0 * off:+.3f}" in filling.summary()
 
 
 @pytest.mark.parametrize("ratio", [1.0, 0.8])

@@ -123,6 +123,25 @@ def test_geometry_that_cannot_be_used(tmp_path, text, words, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+def test_surface_in_no_group_is_left_out(tmp_path):
+    """As gmsh does where it writes a mesh."""
+    more = (
+        "Point(5) = {9, 9, 0, 1}; Point(6) = {8, 9, 0, 1}; Point(7) = {8, 8, 0, 1}; Line(5) = {5, 6}; "
+        "Line(6) = {6, 7}; Line(7) = {7, 5}; Curve Loop(2) = {5:7}; Plane Surface(2) = {2};\n"
+    )
+    mesh = read_mesh(geo(tmp_path / "g.geo", GEO + more))
+    assert mesh.sizes == pytest.approx([8.0])
+    assert "1 surfaces in no physical group were left out: 2." in mesh.remarks
+
+
+def test_last_line_without_a_break(tmp_path):
+    """gmsh alone would skip it."""
+    mesh = read_mesh(geo(tmp_path / "g.geo", GEO + 'Physical Curve("base") = {1};'))
+    assert set(mesh.groups) == {"crest", "base"}
+    with pytest.raises(InputError, match="its last line has no break"):
+        read_mesh(geo(tmp_path / "g.geo", 'Include "other.geo";'))
+
+
 def test_bodies_of_a_step_file(tmp_path):
     """Two boxes side by side, in millimetres: names of the file, common nodes, volumes by hand."""
     path = step(tmp_path / "two.step", (0, 0, 0, 2, 1, 1), (2, 0, 0, 3, 1, 1), names=("rock", "dyke"))
