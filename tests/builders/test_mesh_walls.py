@@ -49,7 +49,7 @@ def test_particles_stay_in_a_body_of_thousands_of_facets(tmp_path, dimension):
     for wall in walls:
         build.add_wall(wall)
     simulation = ParticleSimulation(build.build(), local_damping=0.7)
-    simulation.run(4000)
+    simulation.run(8000)
     distance = np.linalg.norm(simulation.positions, axis=1)
     assert distance.max() < 0.9
     mass = (np.pi * 0.12**2 if dimension == 2 else 4.0 / 3.0 * np.pi * 0.12**3) * 2000.0 * inside.sum()
