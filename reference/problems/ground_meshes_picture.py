@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from .ground_meshes_hole import Field
 PICTURES = Path(__file__).resolve().parents[2] / "docs" / "pictures"
 SEEN = 2.6
 """Half the side of the picture [m]."""
+COLOURS = 128
 BAND = 0.06
 """Particles so near to the horizontal axis, over their distance, are drawn."""
 
@@ -23,17 +25,18 @@ BAND = 0.06
 def draw(fields: Sequence[Field], folder: Path = PICTURES) -> Path:
     """The mesh with the largest compression on the left, stresses along the horizontal axis on the right."""
     from matplotlib.tri import Triangulation
+    from PIL import Image
 
     first = fields[0]
     with style():
-        figure = new_figure(9.0, 4.0)
+        figure = new_figure(8.0, 3.6)
         left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.15))
         axes: Any = left
         xx, yy, xy = first.stress.T[:3] / 1e6
         most = -(0.5 * (xx + yy) - np.hypot(0.5 * (xx - yy), xy))
         x, y = first.particles.positions.T
         mesh = Triangulation(x, y, first.particles.triangles)
-        tinted = axes.tripcolor(mesh, most, shading="gouraud", cmap="viridis", vmin=0.0, vmax=80.0)
+        tinted = axes.tricontourf(mesh, most, levels=np.arange(0.0, 81.0, 5.0), cmap="viridis", extend="both")
         axes.triplot(mesh, color="white", linewidth=0.15, alpha=0.6)
         axes.set(xlim=(-SEEN, SEEN), ylim=(-SEEN, SEEN), aspect="equal", xlabel="x [m]", ylabel="y [m]")
         axes.set_title("Largest compression on the nodes")
@@ -60,6 +63,9 @@ def draw(fields: Sequence[Field], folder: Path = PICTURES) -> Path:
         )
         axes.set_title("Along the horizontal axis")
         axes.legend(loc="upper right")
-        path = folder / "mesh_hole.png"
-        path.write_bytes(png(figure))
+        picture = Image.open(io.BytesIO(png(figure))).convert("RGB")
+    path = folder / "mesh_hole.png"
+    picture.quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE, kmeans=4, dither=Image.Dither.NONE).save(
+        path, optimize=True
+    )
     return path
