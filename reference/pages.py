@@ -168,8 +168,8 @@ def verification_page(
         parts.append(NOT_RUN.format(name="ground", command="python -m reference run ground") + "\n")
     else:
         parts += [_header(ground), _ground(ground.rows)]
-    parts += body_sections(particles, _header, NOT_RUN)
     parts += particle_sections(particles, _header, NOT_RUN)
+    parts += body_sections(particles, _header, NOT_RUN)
     parts += laboratory_sections(particles, _header, NOT_RUN)
     parts += compared_sections(particles, _header, NOT_RUN, compared)
     return "\n".join(parts)

@@ -11,7 +11,7 @@ GROUPS = (
     Group(
         "ground-bodies",
         "Pictures, slices, grids, terrain",
-        "What the source holds, what the body made of it holds, what its particles stand for, and what they weigh in an "
+        "What the source holds, what the body made of it holds, what its particles stand for and weigh in an "
         "assembly, of every material. Drawing and slices are drawn from closed forms; the photographs come with "
         "scikit-image, the channels with pyvista, the elevations with matplotlib.\n\n"
         "![Drawing](pictures/body_drawing.png)\n\n![Slices](pictures/body_slices.png)\n\n"
@@ -25,6 +25,14 @@ GROUPS = (
         "chosen so that the slope is near its limit. Weathered layer 80 m: 2200 kg/m3, 80 kPa, 28 degrees; rock: 2400 "
         "kg/m3, 600 kPa, 38 degrees; as one material: 2300 kg/m3, 150 kPa, 30 degrees.\n\n"
         "![Map and section](pictures/terrain_section.png)",
+    ),
+    Group(
+        "ground-meshes",
+        "Meshes, geometry, closed surfaces",
+        "A section of three materials in both versions of gmsh's files, a block with a tunnel from a STEP file, what "
+        "an STL file encloses: sizes and masses, as in the source. A round hole in rock under 10 MPa from the sides "
+        "and 30 MPa from above and below (P14), on the nodes of a graded mesh and with particles filled into its "
+        "outline. A volume filled with 200,000 spheres.\n\n![Stresses around the hole](pictures/mesh_hole.png)",
     ),
 )
 

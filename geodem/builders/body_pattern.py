@@ -58,6 +58,7 @@ def body_pattern(
     seed: int,
     tile: int | None,
 ) -> Pattern:
+    """The arrangement that `geodem.builders.fill_body.fill_body` is asked for; arguments and errors as there."""
     dimension = body.dimension
     if arrangement not in ARRANGEMENTS[dimension]:
         raise InputError(
@@ -70,7 +71,7 @@ def body_pattern(
             raise InputError(
                 "fill_body", "an arrangement by pixels has the size of the cells", "Leave the radius out."
             )
-        return _latticebody_pattern(PIXEL_LATTICE[dimension], 0.5 * _cell_side(body))
+        return _lattice_pattern(PIXEL_LATTICE[dimension], 0.5 * _cell_side(body))
     given = [radius is not None, particles is not None, grading is not None]
     if sum(given) != 1:
         raise InputError(
@@ -87,15 +88,12 @@ def body_pattern(
             share = size / particles * lattice(arrangement, 1.0, cells=(1,) * dimension).solid_fraction
             radius = float((share / volumes(np.array(1.0), dimension)) ** (1.0 / dimension))
         assert radius is not None
-        return _latticebody_pattern(arrangement, radius)
+        return _lattice_pattern(arrangement, radius)
     most = TILE[dimension] if tile is None else whole_number("tile", tile)
-    curve, scale = None, radius
+    curve: tuple[tuple[float, float], ...] | None = None
+    scale = radius
     if grading is not None:
-        pairs = [(float(a), float(b)) for a, b in grading]
-        scale = pairs[-1][0] if pairs else 1.0
-        if not scale > 0.0:
-            raise InputError("fill_body, grading", "not all radii are positive", "Mend them.", value=grading)
-        curve = tuple((a / scale, b) for a, b in pairs)
+        curve, scale = _over_largest(grading)
     packed = periodic_tile(dimension, most, float(size_ratio), curve, solid_fraction, seed)
     if particles is not None:
         mean = float(volumes(packed.radii, dimension).mean())
@@ -126,7 +124,7 @@ def periodic_tile(
     )
 
 
-def _latticebody_pattern(kind: str, radius: float) -> Pattern:
+def _lattice_pattern(kind: str, radius: float) -> Pattern:
     dimension = 2 if kind in ARRANGEMENTS[2] else 3
     unit = lattice(kind, radius, cells=(1,) * dimension)
     # a block of cells: what is near in space is near in memory
@@ -138,6 +136,18 @@ def _latticebody_pattern(kind: str, radius: float) -> Pattern:
 def _free_side(unit: Packing) -> Floats:
     """Side of the unit cell that no particle's centre stands in, so that half of it is left on either side."""
     return np.asarray(unit.box - unit.positions.max(axis=0))
+
+
+def _over_largest(grading: Grading) -> tuple[tuple[tuple[float, float], ...], float]:
+    """A sieve curve with radii over the largest, and the largest [m]."""
+    pairs = np.asarray(grading, dtype=np.float64)
+    if pairs.ndim != 2 or pairs.shape[1] != 2 or not pairs[-1, 0] > 0.0:
+        raise InputError(
+            "fill_body, grading", "these are not pairs of a positive radius and a share",
+            "Give for instance [(0.1, 0.0), (0.2, 0.4), (0.5, 1.0)].", value=grading,
+        )  # fmt: skip
+    largest = float(pairs[-1, 0])
+    return tuple((radius / largest, share) for radius, share in pairs.tolist()), largest
 
 
 def _cell_side(body: Body) -> float:
@@ -156,6 +166,7 @@ def _cell_side(body: Body) -> float:
 
 
 def whole_number(key: str, value: int) -> int:
+    """A whole number from 1, or `InputError`."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
         raise InputError(f"fill_body, {key}", "this is not a whole number from 1", "Mend it.", value=value)
     return int(value)

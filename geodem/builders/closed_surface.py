@@ -194,11 +194,16 @@ def _outwards(
     shells = int(shell.max()) + 1
     depth = np.zeros(shells, dtype=int)
     if shells > 1:
+        low, high = np.full((shells, 3), np.inf), np.full((shells, 3), -np.inf)
+        np.minimum.at(low, shell, nodes[faces].min(axis=1))
+        np.maximum.at(high, shell, nodes[faces].max(axis=1))
         for outer in range(shells):
+            meets = ((low <= high[outer]) & (high >= low[outer])).all(axis=1)
+            meets[outer] = False
+            if not meets.any():
+                continue
             locator = SurfaceLocator(nodes[faces[shell == outer]])
-            for inner in range(shells):
-                if inner == outer:
-                    continue
+            for inner in np.flatnonzero(meets):
                 corners = nodes[faces[shell == inner]]
                 inside = locator.encloses(corners.mean(axis=1))
                 if inside.any() and not inside.all():

@@ -85,8 +85,8 @@ def fill_body(
     seed : int
         Of a random arrangement.
     shifts : int
-        Positions of the arrangement that are tried at most, evenly spread; fewer, but 8, of more than 31,000
-        particles. The first whose represented sizes are all within 0.2 % of the source is taken, else the best.
+        Positions of the arrangement that are tried at most, evenly spread; of more than 31,000 particles fewer, down
+        to 8. The first whose represented sizes are all within 0.2 % of the source is taken, else the best.
     tile : int, optional
         Particles in the periodic box of a random arrangement; 3000 discs or 4000 spheres where it is left out.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,8 @@ Floats = NDArray[np.float64]
 BALL = {2: np.pi, 3: 4.0 * np.pi / 3.0}
 SHARP = 10.0
 """Angle [deg] of triangles below which they are told of."""
+STRAIGHT = 1e-9
+"""Sine of the turn of a line at a node up to which it is straight."""
 
 
 def body_from_mesh(
@@ -155,6 +157,8 @@ def element_particles(mesh: Mesh, *, radius_ratio: float = 1.0) -> BodyFilling:
 def section_from_mesh(mesh: Mesh) -> Section:
     """The materials of a section as polygons whose corners are nodes, for `geodem.fill_section`.
 
+    Nodes on a straight line between two others are left out.
+
     Raises
     ------
     InputError
@@ -172,16 +176,37 @@ def section_from_mesh(mesh: Mesh) -> Section:
     own = np.repeat(mesh.cell_material, 3)
     key = rows_as_numbers(sides, len(mesh.nodes))
     body = MeshBody(mesh)
-    regions = []
-    for number, name in enumerate(mesh.materials):
+    rims = []
+    for number in range(len(mesh.materials)):
         mine = own == number
         _, first, uses = np.unique(key[mine], return_index=True, return_counts=True)
-        rim = sides[mine][first[uses == 1]]
-        faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(mesh.nodes[rim])))
+        rims.append(sides[mine][first[uses == 1]])
+    plain = {tuple(node) for node in mesh.nodes[_straight(mesh.nodes, np.concatenate(rims))].tolist()}
+
+    def corners(ring: Any) -> list[tuple[float, ...]]:
+        return [point for point in ring.coords[:-1] if point not in plain]
+
+    regions = []
+    for number, name in enumerate(mesh.materials):
+        faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(mesh.nodes[rims[number]])))
         spots = shapely.get_coordinates(shapely.point_on_surface(faces))
-        inside = body.material_at(spots) == number
-        regions += [Region(name, shapely.normalize(face)) for face in faces[inside]]
+        for face in faces[body.material_at(spots) == number]:
+            holes = [corners(hole) for hole in face.interiors]
+            regions.append(Region(name, shapely.normalize(shapely.Polygon(corners(face.exterior), holes))))
     return Section(tuple(regions))
+
+
+def _straight(nodes: Floats, lines: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Nodes in which two lines meet that are one."""
+    lines = np.unique(np.sort(lines, axis=1), axis=0)
+    ends = np.concatenate([lines, lines[:, ::-1]])
+    ends = ends[np.argsort(ends[:, 0], kind="stable")]
+    node, first, uses = np.unique(ends[:, 0], return_index=True, return_counts=True)
+    pairs, node = first[uses == 2], node[uses == 2]
+    a, b = nodes[ends[pairs, 1]] - nodes[node], nodes[ends[pairs + 1, 1]] - nodes[node]
+    turn = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+    level = turn <= STRAIGHT * np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1)
+    return np.asarray(node[level & ((a * b).sum(axis=1) < 0.0)])
 
 
 def walls_from_body(

@@ -6,7 +6,11 @@ mesh. A session that the caller has open keeps its models and options.
 
 from __future__ import annotations
 
+import ctypes
+import os
 import re
+import sys
+import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from geodem.builders.mesh_file import CORNERS
-from geodem.builders.mesh_source import Elements, MeshSource, ungrouped
+from geodem.builders.gmsh_elements import drawn_size, size_remarks, take_elements
+from geodem.builders.mesh_source import MeshSource, ungrouped
 from geodem.errors import InputError
 
 STEP = (".step", ".stp")
@@ -33,8 +37,6 @@ OPTIONS = {
     "Mesh.MeshSizeMax": 1e22,
     "Geometry.OCCImportLabels": 1.0,
 }
-KINDS = {1: "line", 2: "triangle", 3: "quad", 4: "tetra", 5: "hexahedron", 6: "wedge", 7: "pyramid"}
-"""gmsh's numbers of the linear elements."""
 FIRST_SIZE = 20.0
 """Elements over the span where no size is given for a STEP file."""
 SAME = 1e-6
@@ -83,6 +85,23 @@ def gmsh_session(path: Path) -> Iterator[Any]:
                 gmsh.model.setCurrent(current)
 
 
+@contextmanager
+def silence() -> Iterator[None]:
+    """Nothing on the standard output: OpenCASCADE writes there what it makes of a broken file, past gmsh's options."""
+    sys.stdout.flush()
+    kept = os.dup(1)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 1)
+        yield
+    finally:
+        # what the library holds back would come out later
+        ctypes.CDLL(None).fflush(None)
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(nowhere)
+
+
 def read_with_gmsh(path: Path, size: float | None, names: Mapping[int, str] | None) -> MeshSource:
     """Mesh a .geo or STEP file.
 
@@ -104,11 +123,11 @@ def read_with_gmsh(path: Path, size: float | None, names: Mapping[int, str] | No
         try:
             step = path.suffix.lower() in STEP
             if step:
-                gmsh.model.occ.importShapes(str(path), highestDimOnly=True)
+                with silence():
+                    gmsh.model.occ.importShapes(str(path), highestDimOnly=True)
                 gmsh.model.occ.synchronize()
             else:
-                # not `open`, which would leave the model of this session behind
-                gmsh.merge(str(path))
+                _merge_geo(gmsh, path)
         except Exception as error:
             raise InputError(
                 str(path), f"gmsh cannot read the file ({_said(gmsh, error)})",
@@ -130,7 +149,8 @@ def read_with_gmsh(path: Path, size: float | None, names: Mapping[int, str] | No
         groups = _groups(gmsh, path, top, names, source)
         if size is not None:
             gmsh.option.setNumber("Mesh.MeshSizeMax", size)
-        own = _sizes(gmsh, top)
+        used = _used(gmsh, top, groups, source)
+        drawn = drawn_size(gmsh, top, used)
         try:
             gmsh.model.mesh.generate(top)
         except Exception as error:
@@ -138,9 +158,24 @@ def read_with_gmsh(path: Path, size: float | None, names: Mapping[int, str] | No
                 str(path), f"gmsh cannot mesh it ({_said(gmsh, error)})",
                 "Mesh it in gmsh to see where, or give another size.",
             ) from None  # fmt: skip
-        _take_elements(gmsh, path, top, groups, source)
-        source.remarks += _lost(source, top, own)
+        take_elements(gmsh, path, top, used, groups, source)
+        source.remarks += size_remarks(source, top, drawn)
         return source
+
+
+def _merge_geo(gmsh: Any, path: Path) -> None:
+    """Read a .geo file into the model; gmsh skips a last line without a break."""
+    text = path.read_bytes()
+    if text.endswith(b"\n"):
+        # not `open`, which would leave the model of this session behind
+        gmsh.merge(str(path))
+        return
+    if re.search(rb"\b(Include|Merge|ShapeFromFile)\b", text):
+        raise ValueError("its last line has no break, so that it would be skipped")
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / path.name
+        copy.write_bytes(text + b"\n")
+        gmsh.merge(str(copy))
 
 
 def _said(gmsh: Any, error: Exception) -> str:
@@ -193,6 +228,11 @@ def _groups(
                     f"and {name!r}", "Leave one, which names the material.",
                 )  # fmt: skip
     tags = [tag for _, tag in gmsh.model.getEntities(top)]
+    for tag in set(names or ()) - set(tags):
+        raise InputError(
+            str(path), f"it has no {'surface' if top == 2 else 'volume'} {tag}",
+            f"Name one of {', '.join(map(str, tags))}.", value=names,
+        )  # fmt: skip
     if not groups[top]:
         labels = {tag: gmsh.model.getEntityName(top, tag).rsplit("/", 1)[-1].strip() for tag in tags}
         # what OpenCASCADE writes where the program that drew the body gave no name
@@ -202,62 +242,21 @@ def _groups(
     groups[top].update({tag: name for tag, name in (names or {}).items() if tag in tags})
     if not groups[top] and len(tags) > 1:
         raise ungrouped(path, "surfaces" if top == 2 else "volumes", tags)
-    for tag in set(names or ()) - set(tags):
-        raise InputError(
-            str(path), f"it has no {'surface' if top == 2 else 'volume'} {tag}",
-            f"Name one of {', '.join(map(str, tags))}.", value=names,
-        )  # fmt: skip
     return groups
 
 
-def _sizes(gmsh: Any, top: int) -> dict[int, float]:
-    """Area or volume of each body as drawn; only OpenCASCADE knows."""
-    known = set(gmsh.model.occ.getEntities(top))
-    return {tag: float(gmsh.model.occ.getMass(top, tag)) for _, tag in known}
-
-
-def _take_elements(
-    gmsh: Any, path: Path, top: int, groups: dict[int, dict[int, str]], source: MeshSource
-) -> None:
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    number = np.full(int(tags.max(initial=0)) + 1, -1, dtype=np.int64)
-    number[tags.astype(np.int64)] = np.arange(len(tags))
-    source.points = np.reshape(coordinates, (-1, 3)).copy()
-    for dimension in (top - 1, top):
-        for _, entity in gmsh.model.getEntities(dimension):
-            kinds, _, nodes = gmsh.model.mesh.getElements(dimension, entity)
-            for kind, corners in zip(kinds.tolist(), nodes, strict=True):
-                if kind not in KINDS:
-                    raise InputError(
-                        str(path), "its elements have nodes between their corners", "Mesh it with order 1."
-                    )
-                rows = number[corners.astype(np.int64)].reshape(-1, CORNERS[KINDS[kind]])
-                group = np.full(len(rows), source.group_number(dimension, groups[dimension].get(entity)))
-                source.elements.append(Elements(KINDS[kind], rows, group))
-    if source.dimension < top:
-        raise InputError(str(path), "gmsh made no elements of it", "Mesh it in gmsh to see why.")
-
-
-def _lost(source: MeshSource, top: int, own: dict[int, float]) -> list[str]:
-    """What flat sides of elements leave out of curved bodies."""
-    from geodem.builders.mesh import simplex_sizes
-
-    drawn = sum(own.values())
-    if drawn <= 0.0:
-        return []
-    kind = "triangle" if top == 2 else "tetra"
-    cells = [part.corners for part in source.elements if part.kind == kind]
-    if sum(len(part.corners) for part in source.elements if part.dimension == top) != sum(map(len, cells)):
-        return []
-    flat = source.points[np.concatenate(cells)][..., :top]
-    made = float(np.abs(simplex_sizes(flat)).sum())
-    if abs(made / drawn - 1.0) < 1e-4:
-        return []
-    unit = "area" if top == 2 else "volume"
-    return [
-        f"Elements with flat sides hold {100.0 * (made / drawn - 1.0):+.2f} % of the {unit} as drawn; smaller ones "
-        "hold more."
-    ]
+def _used(gmsh: Any, top: int, groups: dict[int, dict[int, str]], source: MeshSource) -> list[int]:
+    """Surfaces or volumes that are ground: those in a physical group, as where gmsh writes a mesh, else all."""
+    tags = [int(tag) for _, tag in gmsh.model.getEntities(top)]
+    if not gmsh.model.getPhysicalGroups(top):
+        return tags
+    left = [tag for tag in tags if tag not in groups[top]]
+    if left:
+        what = "surfaces" if top == 2 else "volumes"
+        source.remarks.append(
+            f"{len(left)} {what} in no physical group were left out: {', '.join(map(str, left[:10]))}."
+        )
+    return [tag for tag in tags if tag in groups[top]]
 
 
 def step_unit(path: Path) -> float | None:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geodem.builders.mesh_file import CORNERS, DIMENSION, POINTS, LoadedMesh, load_mesh
-from geodem.builders.mesh_sets import element_sets
+from geodem.builders.mesh_inp import element_sets, load_inp
 from geodem.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -79,10 +79,10 @@ def read_file(path: Path, names: Mapping[int, str] | None, material_array: str |
     Raises
     ------
     InputError
-        meshio or pyvista is missing, the file cannot be read, elements of a kind that cannot be used, groups that
+        meshio is missing, the file cannot be read, elements of a kind that cannot be used, groups that
         leave open what is of which material.
     """
-    file = load_mesh(path)
+    file = load_mesh(path, load_inp)
     blocks = []
     for given, data in file.blocks:
         kind = re.sub(r"\d+$", "", given)
@@ -188,15 +188,18 @@ def _choose_array(
                 f"Name one of {', '.join(map(repr, arrays)) or 'none: it has no array'}.", value=wanted,
             )  # fmt: skip
         return wanted
-    low = {name.lower(): name for name in arrays}
-    for name in ARRAYS:
-        if name in low:
-            return low[name]
     if path.suffix.lower() == ".msh":
+        # 0: in no physical group
+        if set(_tags(arrays.get("gmsh:physical"), blocks, tops)) - {0}:
+            return "gmsh:physical"
         tags = _tags(arrays.get("gmsh:geometrical"), blocks, tops)
         if len(tags) > 1 and not set(tags) <= set(names or ()):
             raise ungrouped(path, "surfaces" if tops == 2 else "volumes", tags)
         return "gmsh:geometrical" if names else None
+    low = {name.lower(): name for name in arrays}
+    for name in ARRAYS:
+        if name in low:
+            return low[name]
     whole = [
         name
         for name, values in arrays.items()
@@ -227,6 +230,6 @@ def ungrouped(path: Path, things: str, tags: list[int]) -> InputError:
     """The error of several surfaces or volumes that could be of one material or of several."""
     listed = ", ".join(map(str, tags[:6])) + (", ..." if len(tags) > 6 else "")
     return InputError(
-        str(path), f"it has {len(tags)} {things} ({listed}) without physical groups, so that it is open which material they are",
+        str(path), f"it has {len(tags)} {things} ({listed}) without physical groups: their materials are unknown",
         f'Make physical groups and write the mesh again, or give names={{{tags[0]}: "clay", ...}}.',
     )  # fmt: skip

@@ -76,7 +76,7 @@ def segmentation_figure(
     original: NDArray[np.generic], segmentation: Segmentation, filling: BodyFilling, *, title: str
 ) -> Figure:
     """A picture, its thresholds, the classes and grains, and the discs that they became."""
-    figure = new_figure(9.2, 8.4)
+    figure = new_figure(7.8, 7.2)
     (source, histogram), (classes, discs) = figure.subplots(2, 2)
     source.imshow(original, cmap="gray")
     source.set_title(title)

@@ -11,6 +11,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -33,6 +34,7 @@ from .ground_bodies_sources import (
     balls_in_clay,
     channels_file,
     channels_volumes,
+    classes_by_scikit_image,
     draw_section,
     elevation_file,
     photograph,
@@ -143,7 +145,7 @@ def terrain(particles: int = 40_000) -> Filled:
     return Filled("terrain", body, filling, expected, densities, "trapezoids of the heights, SciPy", seconds)
 
 
-SEGMENTS = {
+SEGMENTS: dict[str, tuple[dict[str, Any], tuple[str | None, str]]] = {
     # gaps between the stones are dark, and the light is uneven; bricks are darker than mortar
     "gravel": ({"lighting": 20.0, "smoothing": 1.0, "smallest": 40, "grains": 1, "apart": 12.0}, (None, "stone")),
     "brick": ({"smoothing": 1.0, "smallest": 80, "grains": 0}, ("brick", "mortar")),
@@ -156,44 +158,46 @@ def photographed(name: str, particles: int = 20_000) -> tuple[Filled, Segmentati
     """One of scikit-image's photographs."""
     started = time.perf_counter()
     options, materials = SEGMENTS[name]
-    cut = segment(photograph(name), **options)  # type: ignore[arg-type]
+    cut = segment(photograph(name), **options)
     body = cut.body(PIXEL[name], materials)
     filling = fill_body(body, particles=particles, arrangement="hexagonal")
-    count = np.bincount(cut.labels.ravel())
-    expected = {
-        material: float(count[k]) * PIXEL[name] ** 2 for k, material in enumerate(materials) if material
-    }
+    _, light = classes_by_scikit_image(photograph(name), **_filters(options))
+    share = {0: float(1.0 - light.mean()), 1: float(light.mean())}
+    whole = light.size * PIXEL[name] ** 2
+    expected = {material: share[k] * whole for k, material in enumerate(materials) if material}
     densities = dict.fromkeys(expected, 2650.0)
     seconds = time.perf_counter() - started
-    return Filled(name, body, filling, expected, densities, "pixels of the class", seconds), cut
+    return Filled(name, body, filling, expected, densities, "scikit-image's filters", seconds), cut
 
 
 def counted(name: str, cut: Segmentation, filled: Filled) -> list[Row]:
-    """Threshold and pieces beside scikit-image's own, and that no particle is of two pieces."""
-    from skimage.filters import threshold_otsu
+    """Threshold and pieces beside scikit-image's, and that hardly a piece is without a particle."""
     from skimage.measure import label
 
     options, _ = SEGMENTS[name]
-    own = threshold_otsu(cut.grey)
+    threshold, light = classes_by_scikit_image(photograph(name), **_filters(options))
+    found = len(np.unique(filled.filling.group[filled.filling.group >= 0]))
+    pieces = float(cut.grains.max() + 1)
+    label_name = f"{name}, {filled.filling.particles} particles"
+    by = "scikit-image"
     rows = [
+        relative(label_name, "Otsu's threshold [-]", cut.thresholds[0], threshold, 1e-3, filled.seconds, by),
         relative(
-            name, "Otsu's threshold [-]", cut.thresholds[0], float(own), 1e-3, filled.seconds, "scikit-image"
-        )
+            label_name,
+            "pieces with particles",
+            float(found),
+            pieces,
+            0.01,
+            filled.seconds,
+            "pieces told apart",
+        ),
     ]
     if "apart" not in options:
-        pieces = int(label(cut.labels == options["grains"], connectivity=1).max())
-        number = float(cut.grains.max() + 1)
-        rows.append(relative(name, "pieces", number, float(pieces), 0.0, filled.seconds, "scikit-image"))
-    reached = len(np.unique(filled.filling.group[filled.filling.group >= 0]))
-    rows.append(
-        relative(
-            name, "pieces with particles", float(reached), float(cut.grains.max() + 1), 0.01, filled.seconds,
-            "pieces told apart",
-        )
-    )  # fmt: skip
-    return [replace_name(row, filled.filling.particles) for row in rows]
+        own = float(label(light == bool(options["grains"]), connectivity=1).max())
+        rows.append(relative(label_name, "pieces", pieces, own, 0.0, filled.seconds, by))
+    return rows
 
 
-def replace_name(row: Row, particles: int) -> Row:
-    """The row with the number of particles in its name."""
-    return row._replace(name=f"{row.name}, {particles} particles")
+def _filters(options: Mapping[str, Any]) -> dict[str, Any]:
+    """Those of the options that choose classes, not pieces."""
+    return {key: options[key] for key in ("lighting", "smoothing", "smallest") if key in options}

@@ -19,7 +19,7 @@ COLOURS = 256
 
 TITLES = {
     "drawing": "A drawing with a legend, as discs",
-    "slices": "Balls in clay from slices; the front half of the clay is left out",
+    "slices": "Balls in clay from slices, cut open",
     "channels": "River channels in a flood plain, down from half of the height",
     "terrain": "Cut-out of an elevation model, with a weathered layer",
     "gravel": "Gravel",
@@ -68,7 +68,7 @@ def _write(drawn: bytes, path: Path) -> Path:
     from PIL import Image
 
     picture = Image.open(io.BytesIO(drawn)).convert("RGB")
-    picture.quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(
+    picture.quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE, kmeans=4, dither=Image.Dither.NONE).save(
         path, optimize=True
     )
     return path

@@ -103,6 +103,22 @@ def photograph(name: str) -> NDArray[np.uint8]:
     return np.asarray(getattr(data, name)())
 
 
+def classes_by_scikit_image(
+    picture: NDArray[np.uint8], *, smoothing: float, smallest: int, lighting: float | None = None
+) -> tuple[float, NDArray[np.bool_]]:
+    """Otsu's threshold and the light class of a photograph, by scikit-image's own filters one after the other."""
+    from skimage import filters, morphology, util
+
+    grey = util.img_as_float(picture)
+    if lighting is not None:
+        even = grey - filters.gaussian(grey, lighting, mode="reflect") + grey.mean()
+        grey = np.clip(even, 0.0, 1.0)
+    grey = filters.gaussian(grey, smoothing)
+    threshold = float(filters.threshold_otsu(grey))
+    light = morphology.remove_small_objects(grey > threshold, max_size=smallest - 1, connectivity=1)
+    return threshold, morphology.remove_small_holes(light, max_size=smallest - 1, connectivity=1)
+
+
 def channels_file() -> Path:
     """pyvista's example of river channels."""
     from pyvista import examples

@@ -216,6 +216,8 @@ def test_a_file_of_another_kind_version_or_content_is_refused(tmp_path):
         ({"particles": 100, "shifts": 0}, "not a whole number"),
         ({"arrangement": "pixel"}, "not made of pixels"),
         ({"arrangement": "square", "grading": [(0.1, 0.0), (0.2, 1.0)]}, "equal particles"),
+        ({"grading": [(0.1, 0.0), (-0.2, 1.0)]}, "not pairs of a positive radius"),
+        ({"grading": [0.1, 0.2]}, "not pairs of a positive radius"),
         ({"radius": 1e-7}, "GB are free"),
         ({"arrangement": "square", "radius": 5.0}, "gets no particle"),
     ],

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from geodem.builders.fill_body import fill_body
 from geodem.builders.grid_body import grid_body
 from geodem.builders.grid_sources import grid_from_image, grid_from_slices, grid_from_vtk, read_slices
 from geodem.builders.segmentation import segment
@@ -38,6 +39,20 @@ def test_a_drawing_with_a_legend_stands_upright(corner):
         [(100.1, 10.1), (119.9, 10.1), (100.1, 24.9), (110.0, 20.0), (99.9, 12.0), (110.0, 25.1)]
     )
     assert body.material_at(points).tolist() == [1, 0, -1, 0, -1, -1]
+
+
+def test_one_disc_a_pixel_stands_where_dice2d_puts_it(tmp_path):
+    """Zhao (2015), table 2.9: radius 10, x = 10 + 20 (j - 1), y = 20 n - 10 - 20 (i - 1), rows i from the top."""
+    rows = 30
+    tree = np.abs(np.arange(41)[None, :] - 20) <= np.arange(rows)[:, None] * 0.6
+    tree[24:] = np.abs(np.arange(41) - 20) <= 2
+    path = picture(tmp_path / "tree.png", np.where(tree[..., None], SOIL, (255, 255, 255)))
+    filling = fill_body(grid_from_image(path, scale=20.0, legend={"#8c6d31": "tree"}), arrangement="pixel")
+    i, j = np.nonzero(tree)
+    expected = np.column_stack([10 + 20 * j, 20 * rows - 10 - 20 * i])
+    assert filling.particles == tree.sum()
+    assert sorted(filling.positions.round(9).tolist()) == sorted(expected.astype(float).tolist())
+    assert (filling.radii == 10.0).all()
 
 
 @pytest.mark.parametrize("kind", ["folder", "pages"])
