@@ -14,6 +14,7 @@ from .builders.body_filling import BodyFilling
 from .builders.fill_body import fill_body
 from .case.ground import GroundCase, GroundSource
 from .case.ground_reading import MANY, mismatches
+from .case.ground_source import SOURCES
 from .case.source_files import metres, moved
 from .case.table import join
 from .errors import InputError, InputErrors
@@ -63,11 +64,7 @@ def make_body(case: GroundCase) -> GroundBody:
     except InputErrors:
         raise
     except InputError as error:
-        keys = {key: key for key in source.options} | {
-            "length_unit": "length_unit",
-            "size": "size",
-            "degrees": "degrees",
-        }
+        keys = {key: key for key in (*SOURCES[source.kind], *source.options)}
         raise moved(error, place, value=source.file.name, keys=keys) from error
     errors = mismatches(made.body.materials, tuple(case.materials), "the source")
     if errors:

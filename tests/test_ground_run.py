@@ -309,7 +309,9 @@ def write_cube(path):
          r"^particles\.particles = 1000000000000: .* discs need about"),
         ("seed = 4", 'arrangement = "fcc"', r"^particles\.arrangement = 'fcc': there is no such arrangement in 2D"),
         ("seed = 4", "solid_fraction = 0.99", r"^particles\.solid_fraction = 0\.99: this is not between 0 and 0\.9"),
-        ('"#d62728"', '"#d60000"', r"^source\.image = 'bank\.png': the picture shows the colour"),
+        ('"#d62728"', '"#00ff00" = "seam", "#d62728"',
+         r'^source\.legend\."#00ff00" = .seam.: the picture does not show this colour'),
+        ('"#d62728"', '"#d60000"', r"^source\.legend = .*bank\.png': the picture shows the colour #d62728"),
     ],
 )  # fmt: skip
 def test_what_only_the_body_tells(tmp_path, old, new, said):

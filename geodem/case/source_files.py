@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TypeVar
@@ -80,7 +81,7 @@ def read_or_tell(
 ) -> Read | None:
     """What `read` returns; None where it raises an InputError, which is then told at `place`.
 
-    `keys`: places of the errors of what is read (their last word) that are keys beside it.
+    `keys`: words in the places of the errors of what is read that are keys beside it.
     """
     try:
         return read()
@@ -93,12 +94,14 @@ def read_or_tell(
 
 def moved(error: InputError, place: str, *, value: object = None, keys: Mapping[str, str] = {}) -> InputError:
     """The same error at a place of the case file."""
-    last = error.place.replace(",", " ").split()[-1] if error.place else ""
-    if last in keys:
-        table = place.rsplit(".", 1)[0]
-        return InputError(
-            join(table, keys[last]), error.problem, error.remedy, value=error.value, picture=error.picture
-        )
+    named = error.place
+    if named.startswith("/"):  # a file, and what of it
+        named = named.rpartition(", ")[2] if ", " in named else ""
+    for key, own in keys.items():
+        found = re.search(rf"(?:^|[.,\s]){key}(?![\w/])(.*)$", named)
+        if found:
+            where = join(place.rsplit(".", 1)[0], own) + found[1]
+            return InputError(where, error.problem, error.remedy, value=error.value, picture=error.picture)
     return InputError(place, error.problem, error.remedy, value=value, picture=error.picture)
 
 
