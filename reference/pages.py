@@ -15,6 +15,7 @@ from pathlib import Path
 from statistics import fmean, median
 from typing import Any
 
+from reference.pages_bodies import body_sections
 from reference.pages_compare import COMPARED, compared_sections
 from reference.pages_engine import PICTURE as ENGINE_PICTURE
 from reference.pages_engine import SECTIONS, engine_part, write_engine_picture
@@ -168,6 +169,7 @@ def verification_page(
     else:
         parts += [_header(ground), _ground(ground.rows)]
     parts += particle_sections(particles, _header, NOT_RUN)
+    parts += body_sections(particles, _header, NOT_RUN)
     parts += laboratory_sections(particles, _header, NOT_RUN)
     parts += compared_sections(particles, _header, NOT_RUN, compared)
     return "\n".join(parts)

@@ -169,14 +169,14 @@ def _palette(
     owners: list[int] = []
     for key, material in legend.items():
         keys.append(key)
-        colours.append(_colour(key, f'{place}.legend."{key}"'))
+        colours.append(parse_colour(key, f'{place}.legend."{key}"'))
         owners.append(materials.index(material) + 1)
     if background is None:
         background = [] if (255, 255, 255) in colours else ["#ffffff"]
     for key in background:
         if key != TRANSPARENT:
             keys.append(key)
-            colours.append(_colour(key, f"{place}.background"))
+            colours.append(parse_colour(key, f"{place}.background"))
             owners.append(0)
     for i, one in enumerate(colours):
         for j in range(i):
@@ -194,7 +194,8 @@ def _palette(
     )
 
 
-def _colour(text: str, place: str) -> tuple[int, ...]:
+def parse_colour(text: str, place: str) -> tuple[int, ...]:
+    """Red, green and blue of "#rrggbb", or `InputError`."""
     digits = text.strip().lstrip("#") if isinstance(text, str) else ""
     if re.fullmatch(r"[0-9a-fA-F]{3}", digits):
         digits = "".join(2 * digit for digit in digits)

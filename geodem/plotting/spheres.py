@@ -51,7 +51,12 @@ def render_spheres(
 
 
 def render_balls(
-    centres: Floats, radii: Floats, faces: Floats, *, view: tuple[float, float] = (-60.0, 22.0)
+    centres: Floats,
+    radii: Floats,
+    faces: Floats,
+    *,
+    view: tuple[float, float] = (-60.0, 22.0),
+    pixels: tuple[int, int] = UPRIGHT,
 ) -> NDArray[np.uint8]:
     """A picture (height, width, 3) of spheres (n, 3) [m] in the colours `faces` (n, 4); errors as `render_spheres`."""
 
@@ -59,7 +64,7 @@ def render_balls(
         _add_spheres(plotter, centres, radii, faces)
         return [_corners((centres - radii[:, None]).min(axis=0), (centres + radii[:, None]).max(axis=0))]
 
-    return _picture(draw, view, UPRIGHT)
+    return _picture(draw, view, pixels)
 
 
 def render_flakes(

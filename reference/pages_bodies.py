@@ -1,0 +1,34 @@
+"""What bodies and their particles are held to: groups of results on docs/verification.md."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from reference.pages_particles import Group, group_sections
+
+GROUPS = (
+    Group(
+        "ground-bodies",
+        "Pictures, slices, grids, terrain",
+        "What the source holds, what the body made of it holds, what its particles stand for and weigh in an "
+        "assembly, of every material. Drawing and slices are drawn from closed forms; the photographs come with "
+        "scikit-image, the channels with pyvista, the elevations with matplotlib.\n\n"
+        "![Drawing](pictures/body_drawing.png)\n\n![Slices](pictures/body_slices.png)\n\n"
+        "![Channels](pictures/body_channels.png)\n\n![Terrain](pictures/body_terrain.png)\n\n"
+        "![Gravel](pictures/body_gravel.png)\n\n![Bricks](pictures/body_brick.png)",
+    ),
+    Group(
+        "ground-terrain",
+        "Factor of safety of a surveyed valley side",
+        "A line across the steepest side of a valley, in matplotlib's elevation model. Strength is not surveyed: it is "
+        "chosen so that the slope is near its limit. Weathered layer 80 m: 2200 kg/m3, 80 kPa, 28 degrees; rock: 2400 "
+        "kg/m3, 600 kPa, 38 degrees; as one material: 2300 kg/m3, 150 kPa, 30 degrees.\n\n"
+        "![Map and section](pictures/terrain_section.png)",
+    ),
+)
+
+
+def body_sections(read: Callable[[str], Any], header: Callable[[Any], str], not_run: str) -> list[str]:
+    """Texts of all groups; `read` gives what is stored under a name, `header` its origin."""
+    return ["## Bodies\n", *group_sections(GROUPS, read, header, not_run)]
