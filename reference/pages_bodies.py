@@ -26,6 +26,14 @@ GROUPS = (
         "kg/m3, 600 kPa, 38 degrees; as one material: 2300 kg/m3, 150 kPa, 30 degrees.\n\n"
         "![Map and section](pictures/terrain_section.png)",
     ),
+    Group(
+        "ground-meshes",
+        "Meshes, geometry, closed surfaces",
+        "A section of three materials in both versions of gmsh's files, a block with a tunnel from a STEP file, what "
+        "an STL file encloses: sizes and masses, as in the source. A round hole in rock under 10 MPa from the sides "
+        "and 30 MPa from above and below (P14), on the nodes of a graded mesh and with particles filled into its "
+        "outline. A volume filled with 200,000 spheres.\n\n![Stresses around the hole](pictures/mesh_hole.png)",
+    ),
 )
 
 

@@ -94,6 +94,17 @@ def triangles(name: str, corners: ArrayLike, *, turn_over: bool = False, **motio
     return _wall(name, 3, motion, triangles=values[:, ::-1].copy() if turn_over else values)
 
 
+def facets(name: str, corners: ArrayLike, **motion: Unpack[Motion]) -> Wall:
+    """Segments with ends (k, 2, 2), or triangles with corners (k, 3, 3) [m], in any order.
+
+    Raises InputError as `segments` and `triangles` do.
+    """
+    values = _numbers(name, "corners", corners)
+    if values.ndim == 3 and values.shape[1:] == (2, 2):
+        return _wall(name, 2, motion, segments=values)
+    return triangles(name, values, **motion)
+
+
 def from_stl(
     name: str, path: str | Path, *, scale: float = 1.0, turn_over: bool = False, **motion: Unpack[Motion]
 ) -> Wall:
