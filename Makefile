@@ -9,8 +9,9 @@ PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
 VENV := .venv
 BIN := $(VENV)/bin
 SUDO := $(shell [ "$$(id -u)" = 0 ] || command -v sudo)
-# off-screen pictures need the GL libraries; libgomp runs the parallel kernels
-LIBRARIES := libgl1 libglu1-mesa libosmesa6 libxrender1 libgomp1
+# off-screen pictures and gmsh need libraries of GL and X; libgomp runs the parallel kernels
+LIBRARIES := libgl1 libglu1-mesa libopengl0 libosmesa6 libxrender1 libgomp1 libxcursor1 libxfixes3 libxft2 libxinerama1 \
+	libfontconfig1
 # other codes that the tests and benchmarks compare with; each is a program of its own
 PEERS := yade liggghts
 # processes that run the tests: most of the time goes into compiling kernels, which one core does

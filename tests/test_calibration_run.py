@@ -25,7 +25,7 @@ def closed_form_map():
     """In the place of the maps that are stored with the package: they are measured, and change."""
     found = {"close": fit_surrogate(table_of(synthetic.content(1), place="closed form"))}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(fit, "surrogates", lambda dimension: found)
+        patch.setattr(fit, "surrogates", lambda *_: found)
         yield
 
 

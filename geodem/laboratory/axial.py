@@ -163,7 +163,9 @@ def _along(
         "residual_stress": float(stress[-1]),
         "confinement": confinement,
         "unbalanced_ratio": float(curves["unbalanced_ratio"][max(top - 5, 0) : top + 1].mean()),
-        "crack_initiation_stress": _initiation(at_peak),
+        "crack_initiation_stress": _initiation(
+            at_peak, float(stress[top]) if len(cracks.stress) else math.nan
+        ),
         "crack_damage_stress": _damage(curves, top),
         "tension_cracks_at_peak": float(curves["tension_cracks"][top]),
         "shear_cracks_at_peak": float(curves["shear_cracks"][top]),
@@ -209,10 +211,13 @@ def _pilot(
         rig.drive(sign * rate)
 
 
-def _initiation(stress: Floats) -> float:
-    """Stress at which `INITIATION` of the cracks before the peak are there [Pa]; nan without cracks."""
+def _initiation(stress: Floats, otherwise: float) -> float:
+    """Stress at which `INITIATION` of the cracks before the peak are there [Pa].
+
+    `otherwise` where there are none: the peak, if the first crack makes it, or nan.
+    """
     if not len(stress):
-        return math.nan
+        return otherwise
     return float(stress[min(int(INITIATION * len(stress)), len(stress) - 1)])
 
 
