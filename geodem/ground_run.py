@@ -72,7 +72,6 @@ def make_ground(
     StoppedError
         `stop_asked` said so between two stages.
     """
-    begun = time.perf_counter()
 
     def stage(words: str) -> None:
         if stop_asked is not None and stop_asked():
@@ -88,7 +87,7 @@ def make_ground(
     price = cost(case, filling)
     result = assemble(case, made, filling, price)
     stage("drawing")
-    return Ground(made, filling, result | {"wall_time_s": round(time.perf_counter() - begun, 3)})
+    return Ground(made, filling, result)
 
 
 def run_ground(
@@ -135,6 +134,7 @@ def run_ground(
     """
     from ._jit import set_threads
 
+    begun = time.perf_counter()
     count = set_threads(threads)
     case = quick(case) if quickly else case
     copies = portable(case)[1]
@@ -152,13 +152,16 @@ def run_ground(
         "identity": identity,
         "sources_digest": sources_digest(),
     }
-    return _write(ground, out, text, copies, facts)
+    return _write(ground, out, text, copies, facts, begun)
 
 
 def _write(
-    ground: Ground, out: Path, text: str, copies: dict[str, Path], facts: dict[str, Any]
+    ground: Ground, out: Path, text: str, copies: dict[str, Path], facts: dict[str, Any], begun: float
 ) -> dict[str, Any]:
-    """Everything that a run leaves; result.json last, so that one that says "done" has all beside it."""
+    """Everything that a run leaves; result.json last, so that one that says "done" has all beside it.
+
+    `begun`: what the clock said then [s].
+    """
     # an older result is no longer that of what is written now
     (out / "result.json").unlink(missing_ok=True)
     for name, path in copies.items():
@@ -182,7 +185,10 @@ def _write(
         filling, ground.surfaces, title=ground.result["title"], picture=made.picture,
         segmentation=made.segmentation,
     )  # fmt: skip
-    result = ground.result | facts | {"warnings": [*ground.result["warnings"], *undrawn]}
+    seconds = round(time.perf_counter() - begun, 3)
+    result = (
+        ground.result | facts | {"warnings": [*ground.result["warnings"], *undrawn], "wall_time_s": seconds}
+    )
     write_ground_report(out / "report.html", result, pictures, text)
     return write_json(out / "result.json", result)
 

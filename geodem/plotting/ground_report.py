@@ -20,7 +20,7 @@ CAPTIONS = {
     "cut": "The photograph, the brightness at which it was cut, what came of it, and the particles.",
 }
 _HELD_BACK = frozenset(
-    {"materials", "contacts", "cost", "surfaces", "source", "bounds_m", "solid_fraction", "grains",
+    {"materials", "contacts", "cost", "steps", "surfaces", "source", "bounds_m", "solid_fraction", "grains",
      "smallest_radius_m", "largest_radius_m", "identity", "sources_digest"}
 )  # fmt: skip
 
