@@ -279,7 +279,7 @@ BAD = [
     ("regions = [\n", "regoins = [\n", "section.regoins", 'Did you mean "regions"'),
     ("regions = [\n", "regoins = [\n", "section", "exactly one"),
     ("layers = 3", 'layers = 3\nimage = "a.png"', "section", "exactly one"),
-    ("layers = 3", 'layers = 3\nmesh = "a.msh"', "section.mesh", "Use regions or image"),
+    ("layers = 3", 'layers = 3\nmesh = "a.msh"', "section", "exactly one"),
     ("layers = 3", 'layers = 3\nscale = "1 m/px"', "section.scale", "Remove scale"),
     ("layers = 3", "layers = 1", "section.layers", "from 2"),
     ("layers = 3", "layers = 1000", "section.layers", "from 2"),
@@ -627,7 +627,7 @@ def test_the_template_names_every_key() -> None:
     from geodem.case import data, material, reading, section
 
     text = (TEMPLATE / "case.toml").read_text(encoding="utf-8")
-    keys = {*reading.KEYS, *section.KEYS, *material.KEYS, *data.Boundary.__dataclass_fields__} - {"mesh"}
+    keys = {*reading.KEYS, *section.KEYS, *material.KEYS, *data.Boundary.__dataclass_fields__}
     keys |= {"horizontal_acceleration", "surcharge", "from", "to", "pressure", "factor", "source"}
     for key in keys:
         assert re.search(rf"\b{key}\b", text), key
