@@ -162,6 +162,21 @@ def _walk(pairs: Ints, pinned: Mask) -> list[Ints]:
     return arcs
 
 
+def _is_corner_within(graph: Graph, ring: Ints, spacing: Floats, turns: Floats) -> bool:
+    """Whether the start of a closed run is a corner: judged as any other, with the run begun on its far side."""
+    import shapely
+
+    half = len(ring) // 2
+    run = np.concatenate([ring[half:-1], ring[: half + 1]])
+    line = shapely.LineString(graph.vertices[run])
+    rough = shapely.get_coordinates(line.simplify(NOISE * spacing[run].min(), preserve_topology=False))
+    at = np.flatnonzero((rough[1:-1] == graph.vertices[ring[0]]).all(axis=1))
+    if not len(at):
+        return False
+    turned = float(_turns(np.diff(rough, axis=0))[at[0]])
+    return turned > SHARP_TURN or (turned > CORNER_TURN and float(turns[ring[0]]) > CORNER_TURN)
+
+
 def split_at_corners(graph: Graph, spacing: Floats) -> tuple[list[Chain], Mask, tuple[Floats, Floats]]:
     """Cut the lines at their corners.
 
@@ -215,6 +230,9 @@ def split_at_corners(graph: Graph, spacing: Floats) -> tuple[list[Chain], Mask, 
                 here = run[1:-1][(graph.vertices[run[1:-1]] == place).all(axis=1)]
                 if turned > SHARP_TURN or (turned > CORNER_TURN and turns[here].max() > CORNER_TURN):
                     found.append(int(here[0]))
+            start = int(run[0])
+            if start == run[-1] and not corner[start] and _is_corner_within(graph, run, spacing, turns):
+                found.append(start)
             corner[found] = True
             length = np.hypot(*sides.T)
             smooth = (rough_turn > STRAIGHT_TURN) & ~_rows_in(rough[1:-1], graph.vertices[found])

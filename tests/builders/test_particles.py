@@ -246,6 +246,25 @@ def test_refinement_grows_by_the_grading() -> None:
         assert np.median(size[ring] / wanted[ring]) == pytest.approx(1.0, abs=0.12)
 
 
+def test_corner_where_a_closed_line_begins_is_kept() -> None:
+    # a square whose sides are many short ones: of all of its corners one is where the closed line begins
+    t = np.arange(0.0, 1.0, 0.1)
+    sides = [
+        (1.0 + t, 1.0 + 0.0 * t),
+        (2.0 + 0.0 * t, 1.0 + t),
+        (2.0 - t, 2.0 + 0.0 * t),
+        (1.0 + 0.0 * t, 2.0 - t),
+    ]
+    square = np.concatenate([np.column_stack(side) for side in sides])
+    around = shapely.Polygon([(0, 0), (4, 0), (4, 4), (0, 4)], [square])
+    section = Section((Region("soil", around), Region("block", shapely.Polygon(square))))
+    found = fill_section(section, particles=400)
+    corners = found.positions[found.triangles]
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    area = 0.5 * (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+    assert area[found.triangle_material == 1].sum() == pytest.approx(1.0, rel=1e-9)
+
+
 def test_given_points_are_particles() -> None:
     points = [(50.0, 31.25), (60.0, 36.25), (50.0, 25.0), (75.0, 40.0)]
     particles = fill_section(slope(), particles=1500, points=points)
