@@ -24,6 +24,7 @@ from .integrators.network import (
 )
 from .kernels.link_products import link_product
 from .laws.protocol import argument_names
+from .particle_joints import joint_values, open_joints
 
 if TYPE_CHECKING:
     from .particle_cell import ParticleCell
@@ -144,7 +145,7 @@ def contact_modulus(s: ParticleSimulation) -> float:
 def _pair_links(s: ParticleSimulation, *, listed: bool = True, least: float = 0.0) -> Links:
     p, columns = s.pairs, s.columns
     chosen: slice | NDArray[np.intp] = (
-        slice(None) if listed else np.flatnonzero((p.bond > 0) | (p.touching > 0))
+        slice(None) if listed else np.flatnonzero((p.bond > 0) | (p.touching > 0) & ~open_joints(s))
     )
     first, second = p.a[chosen].astype(np.int64), p.b[chosen].astype(np.int64)
     bonded = p.bond[chosen] > 0
@@ -187,11 +188,28 @@ def _pair_links(s: ParticleSimulation, *, listed: bool = True, least: float = 0.
         stiffness[:, 1] = 0.0
     if bond is not None and bonded.any():
         stiffness[bonded] += stiffness_of(bond, s.bond_table, bonded, np.zeros(len(first)))
+    apart /= distance[:, None]
+    if s.layout.place is not None:
+        _along_joints(s, np.arange(len(p.a))[chosen], distance, apart, stiffness)
     half = 0.5 * (distance + radius_a - radius_b)
     arms = np.stack([half, distance - half], axis=1)
     del overlap, pressed, half
-    apart /= distance[:, None]
     return links(first, second, apart, arms, *stiffness.T)
+
+
+def _along_joints(
+    s: ParticleSimulation, listed: NDArray[np.intp], distance: Floats, normal: Floats, stiffness: Floats
+) -> None:
+    """Put what joints make of their pairs in place: distance and normal are theirs, and so is the stiffness."""
+    law = s.features.joint()
+    assert law is not None
+    kind = s.pairs.history[listed, s.layout.place]
+    across = np.flatnonzero(kind != 0.0)
+    known = joint_values(s, listed[across])
+    distance[across], normal[across] = known["distance"], known["normal"]
+    values = law.stiffness(**{name: known[name] for name in argument_names(law.stiffness)})
+    for k, value in enumerate(values):
+        stiffness[across, k] = np.where(kind[across] > 0.0, value, 0.0)
 
 
 def _asks_for_masses(law: ModuleType) -> bool:

@@ -39,6 +39,7 @@ ARRAYS = {
     "quiet": (np.int64, "c"),
     "table": (np.float64, "? ?"),
     "bond_table": (np.float64, "? ?"),
+    "joint_table": (np.float64, "? ?"),
     "wall_parameters": (np.float64, "? ?"),
 }
 """Arrays of the simulation: kind, and shape in n particles, w columns of a row, f freedoms, b bonds (at least 1),

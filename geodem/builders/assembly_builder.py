@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geodem.assembly import DISC_INERTIA, SPHERE_INERTIA, Anchors, Assembly, Cell, Wall
+from geodem.assembly import DISC_INERTIA, SPHERE_INERTIA, Anchors, Assembly, Cell, Joints, Wall
 from geodem.boundaries.checks import wall_errors
 from geodem.builders import assembly_checks as checks
 from geodem.builders.assembly_checks import as_numbers, bad_entries, chosen, raise_all
@@ -19,9 +19,11 @@ from geodem.builders.bond_scatter import LognormalScatter, NormalScatter
 from geodem.builders.cell_checks import cell_errors, make_cell
 from geodem.builders.close_pairs import close_pairs
 from geodem.builders.interactions import Materials, find_law, pair_of
+from geodem.builders.joint_cut import Cut, find_cut, make_joints
+from geodem.builders.joints import Joint, box_of
 from geodem.builders.memory import refuse_too_large
 from geodem.errors import InputError
-from geodem.laws import BOND_LAWS, CONTACT_LAWS
+from geodem.laws import BOND_LAWS, CONTACT_LAWS, JOINT_LAWS
 from geodem.laws.protocol import make_parameters
 
 Floats = NDArray[np.float64]
@@ -43,6 +45,8 @@ class AssemblyBuilder:
         Name in `geodem.laws.BOND_LAWS`.
     gravity : (d,) float, optional
         [m/s2]; none where it is left out.
+    joint_law : str
+        Name in `geodem.laws.JOINT_LAWS`.
 
     Raises
     ------
@@ -56,6 +60,7 @@ class AssemblyBuilder:
         contact_law: str = "linear_frictional",
         bond_law: str | None = None,
         gravity: ArrayLike | None = None,
+        joint_law: str = "smooth_joint",
     ) -> None:
         if dimension not in (2, 3):
             raise InputError("dimension", "particles are discs or spheres", "Give 2 or 3.", value=dimension)
@@ -63,6 +68,9 @@ class AssemblyBuilder:
         self._rotations = 1 if dimension == 2 else 3
         self._law = find_law("contact", contact_law, CONTACT_LAWS, dimension)
         self._bond_law = None if bond_law is None else find_law("bond", bond_law, BOND_LAWS, dimension)
+        self._joint_law = find_law("joint", joint_law, JOINT_LAWS, dimension)
+        self._joint_materials: dict[str, Any] = {}
+        self._joints: Joints | None = None
         self._materials = Materials(self._law, self._bond_law)
         self._gravity = as_numbers("gravity", 0.0 if gravity is None else gravity, (dimension,), "m/s2")
         if not np.isfinite(self._gravity).all() or (gravity is not None and np.ndim(gravity) != 1):
@@ -306,6 +314,71 @@ class AssemblyBuilder:
         self._bonds = np.concatenate([self._bonds, pairs])
         self._scale = np.concatenate([self._scale, strength])
 
+    def add_joint_material(self, name: str, **parameters: float) -> None:
+        """Add a material of joints: the joint law's parameters, SI."""
+        place = f"joint material {name!r}"
+        if name in self._joint_materials:
+            raise InputError(place, "there is such a material already", "Give it another name.")
+        self._joint_materials[name] = make_parameters(self._joint_law, parameters, place)
+
+    def cut(
+        self, joints: Sequence[Joint], *, within: float = 1.05, bounds: ArrayLike | None = None
+    ) -> Cut:
+        """Cut joints through the particles; to be called once, after particles have been bonded.
+
+        Pairs that a joint crosses, bonded or as near as touching, become faces of the joint: bonded where its
+        material has cohesion or tensile strength, else free to slide and open.
+
+        Parameters
+        ----------
+        joints : sequence of Joint
+        within : float
+            Pairs up to this many times the sum of their radii apart act on each other through a joint, bonded or not.
+        bounds : (2, d) float, optional
+            Of the body [m]: what of a face lies beyond has no area. Around all particles where they are left out.
+
+        Returns
+        -------
+        Cut
+            Pairs, normals, places and areas; `geodem.builders.joint_loads` takes it.
+        """
+        if self._joints is not None:
+            raise InputError("cut", "this has been cut already", "Give all joints at once.")
+        if self._cell is not None:
+            raise InputError("cut", "a periodic cell has no joints", "Leave set_cell out.")
+        other = [joint.dimension for joint in joints if joint.dimension != self.dimension]
+        if other or not joints:
+            remedy = f"Give joints in {self.dimension}D."
+            raise InputError("cut", "there is no joint of this dimension", remedy, value=other[:1])
+        if not (np.isfinite(within) and 1.0 <= within <= checks.LONGEST_BOND):
+            problem = f"this is not between 1 and {checks.LONGEST_BOND:g}"
+            raise InputError("cut, within", problem, "Give a factor such as 1.05.", value=within)
+        positions, radii = self._positions, self._radii
+        box = np.array([(positions - radii[:, None]).min(axis=0), (positions + radii[:, None]).max(axis=0)])
+        box = box if bounds is None else box_of(bounds)
+        near, _ = close_pairs(positions, radii, lambda a, b: within * (a + b))
+        pairs = np.unique(np.concatenate([near, self._bonds]), axis=0)
+        cut = find_cut(positions, radii, pairs, joints, box)
+        size = radii[cut.pairs].sum(axis=1)
+        apart = np.linalg.norm(positions[cut.pairs[:, 1]] - positions[cut.pairs[:, 0]], axis=1)
+        reach = max(within, float((apart / size).max(initial=0.0)) * (1.0 + 1e-12))
+        law = self._joint_law.NAME
+        self._joints = make_joints(cut, joints, law, self._joint_materials, positions, radii, reach)
+        holds = {name: self._joint_law.starts_bonded(own) for name, own in self._joint_materials.items()}
+        loose = np.array([not holds[joint.material] for joint in joints], dtype=bool)[cut.joint]
+        keys = checks.pair_keys(self._bonds, self.particles)
+        keep = ~np.isin(keys, checks.pair_keys(cut.pairs[loose], self.particles))
+        self._bonds, self._scale = self._bonds[keep], self._scale[keep]
+        new = ~loose & ~np.isin(checks.pair_keys(cut.pairs, self.particles), keys)
+        if self._bond_law is None and new.any():
+            raise InputError(
+                "cut", "a joint with cohesion or tensile strength is recorded like a bond, and there is no bond law",
+                "Give AssemblyBuilder a bond_law, or the joint no strength.",
+            )  # fmt: skip
+        self._bonds = np.concatenate([self._bonds, cut.pairs[new]])
+        self._scale = np.concatenate([self._scale, np.ones(int(new.sum()))])
+        return cut
+
     def hold(
         self,
         ids: Any,
@@ -424,9 +497,9 @@ class AssemblyBuilder:
         volume = np.pi * self._radii**2 if d == 2 else 4.0 / 3.0 * np.pi * self._radii**3
         mass = self._density * volume
         replaces = self._bond_law is not None and self._bond_law.REPLACES_CONTACT
-        errors = checks.deep_overlaps(
-            self._positions, self._radii, self._bonds if replaces else self._bonds[:0], self._cell
-        )
+        crossed = self._bonds[:0] if self._joints is None else self._joints.pairs.astype(np.int64)
+        excepted = np.concatenate([self._bonds if replaces else self._bonds[:0], crossed])
+        errors = checks.deep_overlaps(self._positions, self._radii, excepted, self._cell)
         if self._cell is not None:
             errors += cell_errors(self._cell, self._radii, self._walls, anchored=bool(self._anchors))
         walls = []
@@ -460,6 +533,7 @@ class AssemblyBuilder:
             anchors=self._springs(),
             walls=tuple(walls),
             cell=self._cell,
+            joints=self._joints,
         )
         if replaces and self._bond_law is not None and len(self._bonds):
             raise_all(checks.energy_of_breaking(self._law, self._bond_law, assembly))

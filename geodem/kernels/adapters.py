@@ -37,6 +37,10 @@ class HistoryLayout(NamedTuple):
     stored : int or None
         First column of the energy account; None where there is none.
     width : int
+    joint : tuple of str
+        What the law of joints remembers, in the columns before `width`.
+    place : int or None
+        First column of what is kept of a joint, see `geodem.kernels.joints`; None where a scene has none.
     """
 
     contact: tuple[str, ...]
@@ -44,10 +48,18 @@ class HistoryLayout(NamedTuple):
     offset: int | None
     stored: int | None
     width: int
+    joint: tuple[str, ...] = ()
+    place: int | None = None
 
 
 def history_layout(
-    contact: ModuleType, bond: ModuleType | None, *, dimension: int, energy: bool, shear: bool = True
+    contact: ModuleType,
+    bond: ModuleType | None,
+    *,
+    dimension: int,
+    energy: bool,
+    shear: bool = True,
+    joint: ModuleType | None = None,
 ) -> HistoryLayout:
     """Columns of the history of a scene's pairs; without `shear` the contact law stores no tangential history."""
     contact_names = history_names(contact, dimension)
@@ -61,7 +73,16 @@ def history_layout(
         offset, width = width, width + 1
     if energy:
         stored, width = width, width + (14 if dimension == 3 else 7)
-    return HistoryLayout(contact_names, bond_names, offset, stored, max(width, 1))
+    if joint is None:
+        return HistoryLayout(contact_names, bond_names, offset, stored, max(width, 1))
+    joint_names = history_names(joint, dimension)
+    place, width = width, width + joint_columns(dimension) + len(joint_names)
+    return HistoryLayout(contact_names, bond_names, offset, stored, width, joint_names, place)
+
+
+def joint_columns(dimension: int) -> int:
+    """Columns of a joint before what its law remembers."""
+    return dimension + 3
 
 
 def law_text(law: ModuleType, functions: Sequence[str], prefix: str) -> list[str]:
@@ -278,6 +299,25 @@ def bond_adapters(
     adapters += _lane("bond", history, len(layout.contact))
     adapters.append(_transport("bond", law, history, dimension))
     return law_text(law, wanted, "bond_law"), adapters
+
+
+def joint_adapters(law: ModuleType, *, dimension: int, layout: HistoryLayout) -> tuple[list[str], list[str]]:
+    """Texts of the functions of a law of joints and of the adapters between them and the loops."""
+    assert layout.place is not None
+    menu = ("overlap", "slip_x", "slip_y", "slip_z", "area", "intact", "scale")
+    fields, history = law.PARAMETERS._fields, layout.joint
+    adapters = [_parameters_adapter("joint_parameters", law)]
+    text = _law_adapter(
+        "joint", law, "joint_law", history, menu, ("tension_utilisation", "shear_utilisation")
+    )
+    # nothing of space, and no moments
+    text = text.replace(", space, history)", ", history)").replace(", 0.0, 0.0, 0.0, 0.0, (", ", (")
+    adapters.append(text)
+    energy = _call(law, "energy", "joint_law", fields, history, ("overlap", "area", "intact"))
+    arguments = ["parameters", "overlap", "area", "intact", "history"]
+    adapters.append(_function("joint_energy", arguments, [f"return {energy}"]))
+    adapters += _store("joint", history, layout.place + joint_columns(dimension))
+    return law_text(law, ["force", "energy"], "joint_law"), adapters
 
 
 def convention_texts(convention: ModuleType) -> list[str]:

@@ -1,0 +1,257 @@
+"""What joints cut: pairs of particles whose line of centres crosses a face, and who lies on which side.
+
+Every pair stands for the part of the face that is nearest to where it crosses it, so that the pairs of a joint have the
+joint's area together, whatever the packing: cohesion and stiffness of the whole are those that were given.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geodem.assembly import Joints
+from geodem.builders.joints import Joint, distance_to
+from geodem.errors import InputError
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+FINE = {2: 20.0, 3: 5.0}
+"""Points on a face per smallest radius, along each direction, by which areas are told."""
+
+MOST_POINTS = 4_000_000
+"""Points on one face: a larger face gets coarser ones."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cut:
+    """Pairs of particles that joints cross.
+
+    Attributes
+    ----------
+    pairs : (c, 2) int64
+        Lower number first.
+    joint : (c,) int64
+        Which joint crosses each.
+    face : (c,) int64
+        Which face, counted through all joints.
+    normals : (c, d)
+        Unit normal of the joint, from the first particle to the second.
+    places : (c, d) [m]
+        Where the line of centres crosses it.
+    areas : (c,) [m2] (2D: [m])
+    """
+
+    pairs: Integers
+    joint: Integers
+    face: Integers
+    normals: Floats
+    places: Floats
+    areas: Floats
+
+
+class _Crossed(NamedTuple):
+    pair: Integers
+    face: Integers
+    share: Floats
+    upward: NDArray[np.bool_]
+
+
+def find_cut(
+    positions: Floats, radii: Floats, pairs: Integers, joints: Sequence[Joint], bounds: Floats
+) -> Cut:
+    """Pairs that joints cross; of several joints across one pair, the one nearest to its middle.
+
+    Parameters
+    ----------
+    positions, radii : (n, d), (n,) [m]
+    pairs : (p, 2) int
+        Neighbours: bonded, or as near as touching.
+    joints : sequence of Joint
+    bounds : (2, d) [m]
+        Of the body: faces count within them.
+    """
+    d = positions.shape[1]
+    count = len(pairs)
+    best = np.full(count, math.inf)
+    owner = np.full(count, -1, dtype=np.int64)
+    face = np.zeros(count, dtype=np.int64)
+    share = np.zeros(count)
+    upward = np.zeros(count, dtype=bool)
+    first_face = 0
+    for number, joint in enumerate(joints):
+        found = _crossed(positions, pairs, joint)
+        nearer = np.abs(found.share - 0.5) < best[found.pair]
+        at = found.pair[nearer]
+        best[at] = np.abs(found.share[nearer] - 0.5)
+        owner[at], face[at] = number, first_face + found.face[nearer]
+        share[at], upward[at] = found.share[nearer], found.upward[nearer]
+        first_face += joint.faces
+    which = np.flatnonzero(owner >= 0)
+    ends = np.sort(pairs[which], axis=1)
+    order = np.lexsort((ends[:, 1], ends[:, 0]))
+    which, ends = which[order], ends[order]
+    one, other = positions[pairs[which, 0]], positions[pairs[which, 1]]
+    places = one + share[which, None] * (other - one)
+    normals = np.concatenate([joint.normals for joint in joints])[face[which]]
+    swapped = pairs[which, 0] != ends[:, 0]
+    sign = np.where(upward[which] != swapped, 1.0, -1.0)
+    areas = np.zeros(len(which))
+    for number, joint in enumerate(joints):
+        own = np.flatnonzero(owner[which] == number)
+        reach = radii[ends[own]].sum(axis=1)
+        areas[own] = face_shares(joint, places[own], reach, float(radii.min()), bounds)
+    return Cut(ends, owner[which], face[which], sign[:, None] * normals.reshape(-1, d), places, areas)
+
+
+def face_shares(joint: Joint, places: Floats, reach: Floats, smallest: float, bounds: Floats) -> Floats:
+    """Area (k,) [m2] (2D: [m]) of a joint that is nearest to each of the places (k, d) where it is crossed.
+
+    What is farther than `reach` (k,) [m] from every place, or out of bounds (2, d), belongs to none.
+    """
+    from scipy.spatial import cKDTree
+
+    areas = np.zeros(len(places))
+    if not len(places):
+        return areas
+    tree = cKDTree(places)
+    for centre, normal, radius in zip(joint.centres, joint.normals, joint.radii, strict=True):
+        points, size = _points(centre, normal, float(radius), smallest)
+        inside = ((points >= bounds[0]) & (points <= bounds[1])).all(axis=1)
+        distance, nearest = tree.query(points[inside])
+        near = distance <= reach[nearest]
+        areas += size * np.bincount(nearest[near], minlength=len(places))
+    return areas
+
+
+def _points(centre: Floats, normal: Floats, radius: float, smallest: float) -> tuple[Floats, float]:
+    """Points (k, d) spread evenly over a face, and the area that each stands for."""
+    d = len(centre)
+    most = MOST_POINTS if d == 2 else math.isqrt(MOST_POINTS)
+    count = min(max(8, math.ceil(2.0 * radius * FINE[d] / smallest)), most)
+    line = radius * ((2.0 * np.arange(count) + 1.0) / count - 1.0)
+    step = 2.0 * radius / count
+    if d == 2:
+        return centre + line[:, None] * np.array([normal[1], -normal[0]]), step
+    aside = np.eye(3)[int(np.argmin(np.abs(normal)))]
+    one = np.cross(normal, aside)
+    one /= np.linalg.norm(one)
+    other = np.cross(normal, one)
+    u, v = (part.ravel() for part in np.meshgrid(line, line, indexing="ij"))
+    round_ = u * u + v * v <= radius * radius
+    points = centre + u[round_, None] * one + v[round_, None] * other
+    # exactly the disc's area in all
+    return points, math.pi * radius * radius / len(points)
+
+
+def _crossed(positions: Floats, pairs: Integers, joint: Joint) -> _Crossed:
+    """Pairs whose line of centres crosses a joint an odd number of times, and where."""
+    one, other = positions[pairs[:, 0]], positions[pairs[:, 1]]
+    times = np.zeros(len(pairs), dtype=np.int64)
+    best = np.full(len(pairs), math.inf)
+    face = np.zeros(len(pairs), dtype=np.int64)
+    share = np.zeros(len(pairs))
+    upward = np.zeros(len(pairs), dtype=bool)
+    for number, (centre, normal, radius) in enumerate(
+        zip(joint.centres, joint.normals, joint.radii, strict=True)
+    ):
+        low, high = (one - centre) @ normal, (other - centre) @ normal
+        # a centre on the face counts as above it
+        unlike = np.flatnonzero((low < 0.0) != (high < 0.0))
+        part = low[unlike] / (low[unlike] - high[unlike])
+        place = one[unlike] + part[:, None] * (other[unlike] - one[unlike]) - centre
+        met = np.sqrt((place**2).sum(axis=1)) <= radius
+        at, part = unlike[met], part[met]
+        times[at] += 1
+        nearer = np.abs(part - 0.5) < best[at]
+        at, part = at[nearer], part[nearer]
+        best[at] = np.abs(part - 0.5)
+        face[at], share[at], upward[at] = number, part, low[at] < 0.0
+    which = np.flatnonzero(times % 2 == 1)
+    return _Crossed(which, face[which], share[which], upward[which])
+
+
+def make_joints(
+    cut: Cut,
+    joints: Sequence[Joint],
+    law: str,
+    parameters: Mapping[str, Sequence[float]],
+    positions: Floats,
+    radii: Floats,
+    reach: float,
+) -> Joints:
+    """What an assembly keeps of its joints.
+
+    Parameters
+    ----------
+    cut : Cut
+    joints : sequence of Joint
+    law : str
+    parameters : dict of str to tuple
+        Of the law, by the materials' names.
+    reach : float
+        See `geodem.assembly.Joints`.
+    """
+    names = tuple(parameters)
+    for joint in joints:
+        if joint.material not in names:
+            raise InputError(
+                "joint, material", "there is no such material of joints",
+                f"Add it with add_joint_material; known: {', '.join(names) or 'none'}", value=joint.material,
+            )  # fmt: skip
+    d = positions.shape[1]
+    size = radii[cut.pairs].min(axis=1) ** (d - 1)
+    per_size = np.ones(sum(joint.faces for joint in joints))
+    sides: list[tuple[Integers, Integers, Integers]] = []
+    first = 0
+    for number, joint in enumerate(joints):
+        own = cut.joint == number
+        if size[own].sum() > 0.0:
+            per_size[first : first + joint.faces] = cut.areas[own].sum() / size[own].sum()
+        particle, face = _sides(joint, positions, radii, reach)
+        side = np.where(face > 0, face + first, face - first)
+        sides.append((particle, np.full(len(particle), number, dtype=np.int64), side))
+        first += joint.faces
+    particle, of_joint, side = (np.concatenate(part) for part in zip(*sides, strict=True))
+    rows = [names.index(joint.material) for joint in joints for _ in range(joint.faces)]
+    return Joints(
+        law=law,
+        names=names,
+        table=np.array([parameters[name] for name in names], dtype=np.float64),
+        normal=np.concatenate([joint.normals for joint in joints]),
+        material=np.array(rows, dtype=np.int32),
+        per_size=per_size,
+        reach=float(reach),
+        pairs=cut.pairs.astype(np.int32),
+        face=cut.face.astype(np.int32),
+        area=cut.areas.copy(),
+        side_particle=particle.astype(np.int32),
+        side_joint=of_joint.astype(np.int32),
+        side_face=side.astype(np.int32),
+    )
+
+
+def _sides(joint: Joint, positions: Floats, radii: Floats, reach: float) -> tuple[Integers, Integers]:
+    """Particles near enough to a joint to meet one beyond it, and 1 + the nearest face, negative below it.
+
+    What lies beyond its ends is on neither side.
+    """
+    gap, nearest = distance_to(joint, positions)
+    near = np.flatnonzero(gap <= reach * (radii + float(radii.max())))
+    face = nearest[near]
+    away = positions[near] - joint.centres[face]
+    height = (away * joint.normals[face]).sum(axis=1)
+    aside = np.sqrt(np.maximum((away**2).sum(axis=1) - height**2, 0.0))
+    within = aside <= joint.radii[face]
+    if joint.dimension == 2 and joint.faces > 1:
+        # at a kink a particle may lie beyond the ends of both lines
+        along = away[:, 0] * joint.normals[face, 1] - away[:, 1] * joint.normals[face, 0]
+        inner = ((along < 0.0) & (face > 0)) | ((along > 0.0) & (face < joint.faces - 1))
+        within |= inner
+    near, face, height = near[within], face[within], height[within]
+    return near, np.where(height < 0.0, -(face + 1), face + 1)
