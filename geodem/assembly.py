@@ -144,6 +144,7 @@ class Joints:
     pairs : (c, 2) int32
         Pairs that are crossed at the start, lower number first.
     face : (c,) int32
+        1 + face, negative where the first of the two is above it.
     area : (c,) [m2] (2D: [m])
         Of the face that each stands for.
     side_particle, side_joint, side_face : (l,) int32

@@ -23,10 +23,6 @@ Floats = NDArray[np.float64]
 PARTING = 1.1
 """Distance at which two particles cease to act on each other through a joint over that at which they begin."""
 
-LEAST_AREA = 1e-6
-"""Of a pair, over the square of its smaller radius (2D: over the radius): pairs that hardly any of the face is left for."""
-
-
 def mark_joints(s: ParticleSimulation) -> None:
     """Mark new pairs across joints, and let act on each other what is near enough."""
     joints, p, place = s.assembly.joints, s.pairs, s.layout.place
@@ -44,9 +40,9 @@ def mark_joints(s: ParticleSimulation) -> None:
     apart = s.now[p.b[across], :d] - s.now[p.a[across], :d]
     radii = s.assembly.radii
     near = np.sqrt((apart**2).sum(axis=1)) / (radii[first[across]] + radii[second[across]])
-    acts = (kind[across] > 0.0) & ((near <= PARTING * joints.reach) | (p.bond[across] > 0))
-    acts |= near <= joints.reach
-    acts |= p.bond[across] > 0
+    acts = (kind[across] > 0.0) & (near <= PARTING * joints.reach)
+    acts |= (near <= joints.reach) | (p.bond[across] > 0)
+    acts &= history[across, place + 2 + d] > 0.0
     begins, ends = across[acts & (kind[across] < 0.0)], across[~acts & (kind[across] > 0.0)]
     law = slice(place + joint_columns(d), place + joint_columns(d) + len(s.layout.joint))
     history[begins, law] = 0.0
@@ -159,11 +155,9 @@ def _across(
     crossed = order[at[known]] if len(keys) else np.empty(0, dtype=np.int64)
     face = np.full(len(wanted), -1, dtype=np.int64)
     area = np.zeros(len(wanted))
-    face[known], area[known] = joints.face[crossed], joints.area[crossed]
-    start = s.assembly.positions
-    way = start[second] - start[first]
+    face[known], area[known] = np.abs(joints.face[crossed]) - 1, joints.area[crossed]
     upward = np.zeros(len(wanted), dtype=bool)
-    upward[known] = (way[known] * joints.normal[face[known]]).sum(axis=1) > 0.0
+    upward[known] = joints.face[crossed] > 0
     near = np.zeros(n, dtype=bool)
     near[joints.side_particle] = True
     rest = np.flatnonzero(near[first] & near[second] & ~known)
@@ -224,8 +218,7 @@ def _mark(
     first, second = s.arrays.ids[s.pairs.a[pairs]], s.arrays.ids[s.pairs.b[pairs]]
     normal = np.where(upward, 1.0, -1.0)[:, None] * joints.normal[face]
     start = s.assembly.positions
-    size = np.minimum(s.assembly.radii[first], s.assembly.radii[second]) ** (d - 1)
     history[pairs, place] = -(1.0 + joints.material[face])
     history[pairs, place + 1 : place + 1 + d] = normal
     history[pairs, place + 1 + d] = ((start[second] - start[first]) * normal).sum(axis=1)
-    history[pairs, place + 2 + d] = np.maximum(area, LEAST_AREA * size)
+    history[pairs, place + 2 + d] = area

@@ -19,7 +19,7 @@ from geodem.builders.bond_scatter import LognormalScatter, NormalScatter
 from geodem.builders.cell_checks import cell_errors, make_cell
 from geodem.builders.close_pairs import close_pairs
 from geodem.builders.interactions import Materials, find_law, pair_of
-from geodem.builders.joint_cut import Cut, find_cut, make_joints
+from geodem.builders.joint_cut import Cut, find_cut, make_joints, put_aside
 from geodem.builders.joints import Joint, box_of
 from geodem.builders.memory import refuse_too_large
 from geodem.errors import InputError
@@ -327,7 +327,8 @@ class AssemblyBuilder:
         """Cut joints through the particles; to be called once, after particles have been bonded.
 
         Pairs that a joint crosses, bonded or as near as touching, become faces of the joint: bonded where its
-        material has cohesion or tensile strength, else free to slide and open.
+        material has cohesion or tensile strength, else free to slide and open. A particle that is bonded to the other
+        side alone is counted there, and one that hardly holds to its own bears nothing of the joint.
 
         Parameters
         ----------
@@ -335,7 +336,8 @@ class AssemblyBuilder:
         within : float
             Pairs up to this many times the sum of their radii apart act on each other through a joint, bonded or not.
         bounds : (2, d) float, optional
-            Of the body [m]: what of a face lies beyond has no area. Around all particles where they are left out.
+            Of a body that fills them [m]: all of a face that lies in them counts. Where they are left out, what is
+            farther than a particle from every pair that is crossed has no area.
 
         Returns
         -------
@@ -359,13 +361,16 @@ class AssemblyBuilder:
         near, _ = close_pairs(positions, radii, lambda a, b: within * (a + b))
         pairs = np.unique(np.concatenate([near, self._bonds]), axis=0)
         cut = find_cut(positions, radii, pairs, joints, box)
+        sides, idle = put_aside(positions, radii, self._bonds, cut, joints)
+        cut = find_cut(sides, radii, pairs, joints, box, idle, whole=bounds is not None)
         size = radii[cut.pairs].sum(axis=1)
         apart = np.linalg.norm(positions[cut.pairs[:, 1]] - positions[cut.pairs[:, 0]], axis=1)
         reach = max(within, float((apart / size).max(initial=0.0)) * (1.0 + 1e-12))
         law = self._joint_law.NAME
-        self._joints = make_joints(cut, joints, law, self._joint_materials, positions, radii, reach)
+        self._joints = make_joints(cut, joints, law, self._joint_materials, sides, radii, reach)
         holds = {name: self._joint_law.starts_bonded(own) for name, own in self._joint_materials.items()}
         loose = np.array([not holds[joint.material] for joint in joints], dtype=bool)[cut.joint]
+        loose |= cut.areas == 0.0
         keys = checks.pair_keys(self._bonds, self.particles)
         keep = ~np.isin(keys, checks.pair_keys(cut.pairs[loose], self.particles))
         self._bonds, self._scale = self._bonds[keep], self._scale[keep]

@@ -24,6 +24,9 @@ Integers = NDArray[np.int64]
 FINE = {2: 20.0, 3: 5.0}
 """Points on a face per smallest radius, along each direction, by which areas are told."""
 
+LEAST_AREA = 1e-6
+"""Of a pair over the square of its smaller radius (2D: over the radius): where hardly any of a face is left for it."""
+
 MOST_POINTS = 4_000_000
 """Points on one face: a larger face gets coarser ones."""
 
@@ -40,16 +43,20 @@ class Cut:
         Which joint crosses each.
     face : (c,) int64
         Which face, counted through all joints.
+    upward : (c,) bool
+        The first particle is on its lower side.
     normals : (c, d)
         Unit normal of the joint, from the first particle to the second.
     places : (c, d) [m]
         Where the line of centres crosses it.
     areas : (c,) [m2] (2D: [m])
+        0 where the pair bears nothing.
     """
 
     pairs: Integers
     joint: Integers
     face: Integers
+    upward: NDArray[np.bool_]
     normals: Floats
     places: Floats
     areas: Floats
@@ -63,7 +70,14 @@ class _Crossed(NamedTuple):
 
 
 def find_cut(
-    positions: Floats, radii: Floats, pairs: Integers, joints: Sequence[Joint], bounds: Floats
+    positions: Floats,
+    radii: Floats,
+    pairs: Integers,
+    joints: Sequence[Joint],
+    bounds: Floats,
+    idle: NDArray[np.bool_] | None = None,
+    *,
+    whole: bool = False,
 ) -> Cut:
     """Pairs that joints cross; of several joints across one pair, the one nearest to its middle.
 
@@ -75,6 +89,10 @@ def find_cut(
     joints : sequence of Joint
     bounds : (2, d) [m]
         Of the body: faces count within them.
+    idle : (n,) bool, optional
+        Particles that bear nothing of a joint: their pairs have no area.
+    whole : bool
+        Faces count wherever they are in the bounds, however far from a pair that is crossed.
     """
     d = positions.shape[1]
     count = len(pairs)
@@ -100,13 +118,49 @@ def find_cut(
     places = one + share[which, None] * (other - one)
     normals = np.concatenate([joint.normals for joint in joints])[face[which]]
     swapped = pairs[which, 0] != ends[:, 0]
-    sign = np.where(upward[which] != swapped, 1.0, -1.0)
+    below = upward[which] != swapped
+    sign = np.where(below, 1.0, -1.0)
     areas = np.zeros(len(which))
+    bears = np.ones(len(which), dtype=bool) if idle is None else ~idle[ends].any(axis=1)
     for number, joint in enumerate(joints):
-        own = np.flatnonzero(owner[which] == number)
-        reach = radii[ends[own]].sum(axis=1)
-        areas[own] = face_shares(joint, places[own], reach, float(radii.min()), bounds)
-    return Cut(ends, owner[which], face[which], sign[:, None] * normals.reshape(-1, d), places, areas)
+        own = np.flatnonzero((owner[which] == number) & bears)
+        reach = np.full(len(own), math.inf) if whole else radii[ends[own]].sum(axis=1)
+        share_of = face_shares(joint, places[own], reach, float(radii.min()), bounds)
+        areas[own] = np.maximum(share_of, LEAST_AREA * radii[ends[own]].min(axis=1) ** (d - 1))
+    return Cut(ends, owner[which], face[which], below, sign[:, None] * normals.reshape(-1, d), places, areas)
+
+
+def put_aside(
+    positions: Floats, radii: Floats, bonds: Integers, cut: Cut, joints: Sequence[Joint]
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """Places (n, d) [m] by which particles belong to sides, and which of them (n,) bear nothing of a joint.
+
+    Up to d particles that are bonded to nothing but each other and across a joint lie beyond it; a particle with less
+    than d bonds on its own side, and more across, is a loose grain at the surface that would roll between both sides.
+    """
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    n, d = positions.shape
+    crossed = np.isin(bonds.min(axis=1) * n + bonds.max(axis=1), cut.pairs[:, 0] * n + cut.pairs[:, 1])
+    across = np.bincount(bonds[crossed].ravel(), minlength=n)
+    own = np.bincount(bonds[~crossed].ravel(), minlength=n)
+    kept = bonds[~crossed]
+    parts, part = connected_components(
+        coo_matrix((np.ones(len(kept)), (kept[:, 0], kept[:, 1])), shape=(n, n)), directed=False
+    )
+    few = (np.bincount(part, minlength=parts) <= d)[part]
+    hanging = few & (np.bincount(part, across, parts) > 0)[part]
+    loose = ~hanging & (own < d) & (across > own)
+    placed = positions.copy()
+    for particle in np.flatnonzero(hanging & (across > 0)):
+        number = int(cut.joint[np.flatnonzero((cut.pairs == particle).any(axis=1))[0]])
+        joint = joints[number]
+        face = distance_to(joint, positions[particle][None])[1][0]
+        height = float((positions[particle] - joint.centres[face]) @ joint.normals[face])
+        beyond = math.copysign(1e-3 * float(radii[particle]), height if height != 0.0 else 1.0)
+        placed[particle] -= (height + beyond) * joint.normals[face]
+    return placed, loose
 
 
 def face_shares(joint: Joint, places: Floats, reach: Floats, smallest: float, bounds: Floats) -> Floats:
@@ -228,7 +282,7 @@ def make_joints(
         per_size=per_size,
         reach=float(reach),
         pairs=cut.pairs.astype(np.int32),
-        face=cut.face.astype(np.int32),
+        face=np.where(cut.upward, cut.face + 1, -cut.face - 1).astype(np.int32),
         area=cut.areas.copy(),
         side_particle=particle.astype(np.int32),
         side_joint=of_joint.astype(np.int32),

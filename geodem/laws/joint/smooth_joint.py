@@ -7,7 +7,7 @@ lie in one another and pass each other. Until it breaks the face is bonded; then
 Reference: Mas Ivars, Pierce, Darcel, Reyes-Montes, Potyondy, Young & Cundall (2011), The synthetic rock mass approach
 for jointed rock mass modelling, Int. J. Rock Mech. Min. Sci. 48:219-244, section 2.2. There the force follows step by
 step; here the normal force follows from the whole closure, which is the same and cannot drift. There a broken joint
-has no cohesion either.
+has no cohesion; here some may be left, all of it where the joint is to be ideally plastic, as in a limit equilibrium.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ class SmoothJointParameters(NamedTuple):
     cohesion: float = 0.0  # c_j [Pa]: of the bonded face
     tensile_strength: float = 0.0  # T_j [Pa]
     dilation_coefficient: float = 0.0  # tan(psi_j) [-]: opening over sliding, under pressure
+    residual_cohesion: float = 0.0  # c_r [Pa]: what is left of it when the face has broken, under pressure
 
 
 PARAMETERS = SmoothJointParameters
@@ -41,18 +42,18 @@ PARAMETERS = SmoothJointParameters
 
 def starts_bonded(parameters: SmoothJointParameters) -> bool:
     """Whether the face is bonded at first: it has some strength that it can lose."""
-    return parameters.cohesion > 0.0 or parameters.tensile_strength > 0.0
+    return parameters.cohesion > parameters.residual_cohesion or parameters.tensile_strength > 0.0
 
 
 def force(
     normal_stiffness, shear_stiffness, friction_coefficient, cohesion, tensile_strength, dilation_coefficient,
-    overlap, slip_x, slip_y, slip_z, area, intact, scale, dilated, shear_x, shear_y, shear_z,
+    residual_cohesion, overlap, slip_x, slip_y, slip_z, area, intact, scale, dilated, shear_x, shear_y, shear_z,
 ):  # fmt: skip
     """Forces after a step, and how much of the strength of a bonded face they take.
 
     With the closure u = overlap + what dilation has added: sigma = kn u, Fn = A sigma, dFs = ks A slip. Bonded, it
     breaks where -sigma reaches T, or |Fs|/A reaches c + sigma tan(phi). Broken, Fn is no less than 0 and |Fs| no more
-    than Fn tan(phi); what slides beyond adds tan(psi) times its way to u.
+    than Fn tan(phi) + c_r A where it is pressed, 0 where not; what slides beyond adds tan(psi) times its way to u.
 
     Returns
     -------
@@ -78,7 +79,7 @@ def force(
     shear_utilisation = (shear / area - friction_coefficient * sigma) / bonded_cohesion
     whole = intact > 0.0
     normal = area * (sigma if whole or sigma > 0.0 else 0.0)
-    limit = friction_coefficient * normal
+    limit = friction_coefficient * normal + (residual_cohesion * area if normal > 0.0 else 0.0)
     slides = not whole and shear > limit
     factor = limit / shear if slides else 1.0
     grown = dilation_coefficient * (shear - limit) / stiff if slides and normal > 0.0 else 0.0
@@ -109,9 +110,12 @@ def stiffness(normal_stiffness, shear_stiffness, area):
 
 def check(parameters: SmoothJointParameters) -> list[Fault]:
     """Parameters out of range: (field, problem, remedy)."""
-    return faults(
+    found = faults(
         parameters,
         positive=("normal_stiffness", "shear_stiffness"),
-        not_negative=("friction_coefficient", "cohesion", "tensile_strength", "dilation_coefficient"),
-        may_be_infinite=("cohesion", "tensile_strength"),
+        not_negative=("friction_coefficient", "cohesion", "tensile_strength", "dilation_coefficient", "residual_cohesion"),
+        may_be_infinite=("cohesion", "tensile_strength", "residual_cohesion"),
     )
+    if parameters.residual_cohesion > parameters.cohesion:
+        found.append(Fault("residual_cohesion", "is above the cohesion", "Give no more than that"))
+    return found
