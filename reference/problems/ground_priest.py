@@ -106,7 +106,8 @@ def block(wet: bool, diameter: float) -> Block:
         "plane", normal_stiffness=STIFFNESS, shear_stiffness=0.5 * STIFFNESS,
         friction_coefficient=math.tan(FRICTION), cohesion=COHESION, residual_cohesion=COHESION,
     )  # fmt: skip
-    cut = build.cut([segment(CORNERS[0], CORNERS[1], "plane")])
+    bounds = [CORNERS.min(axis=0) - 1.0, CORNERS.max(axis=0) + 1.0]
+    cut = build.cut([segment(CORNERS[0], CORNERS[1], "plane")], bounds=bounds)
     build.hold(np.flatnonzero(~own), x=0.0, y=0.0, rotation=0.0)
     if wet:
         press_joints(
