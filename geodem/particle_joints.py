@@ -23,6 +23,7 @@ Floats = NDArray[np.float64]
 PARTING = 1.1
 """Distance at which two particles cease to act on each other through a joint over that at which they begin."""
 
+
 def mark_joints(s: ParticleSimulation) -> None:
     """Mark new pairs across joints, and let act on each other what is near enough."""
     joints, p, place = s.assembly.joints, s.pairs, s.layout.place

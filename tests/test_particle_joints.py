@@ -20,9 +20,7 @@ SIZES = {2: (12.0, 8.0), 3: (5.0, 5.0, 5.0)}
 
 def rock(dimension, size, seed=1):
     """A builder with bonded particles of a diameter near 1 in a box."""
-    packing = random_packing(
-        dimension, radius=0.6, size_ratio=1.5, box=size, periodic=False, seed=seed
-    )
+    packing = random_packing(dimension, radius=0.6, size_ratio=1.5, box=size, periodic=False, seed=seed)
     build = AssemblyBuilder(dimension, "effective_modulus", "rock")
     contact = {"effective_modulus": 1e9, "stiffness_ratio": 2.0, "friction_coefficient": 0.5}
     bond = {
@@ -79,7 +77,9 @@ def test_rough_packing_slides_as_on_a_plane(dimension):
 def test_areas_add_up_to_the_face():
     _, cut, _, _ = sheared(2)
     assert cut.areas.sum() == pytest.approx(SIZES[2][0], rel=1e-9)
-    assert cut.normals == pytest.approx(np.tile([0.0, 1.0], (len(cut.pairs), 1)) * np.sign(cut.normals[:, 1:]))
+    assert cut.normals == pytest.approx(
+        np.tile([0.0, 1.0], (len(cut.pairs), 1)) * np.sign(cut.normals[:, 1:])
+    )
     _, cut, _, _ = sheared(3)
     assert cut.areas.sum() == pytest.approx(25.0, rel=0.01)
 

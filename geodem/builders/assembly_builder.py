@@ -321,9 +321,7 @@ class AssemblyBuilder:
             raise InputError(place, "there is such a material already", "Give it another name.")
         self._joint_materials[name] = make_parameters(self._joint_law, parameters, place)
 
-    def cut(
-        self, joints: Sequence[Joint], *, within: float = 1.05, bounds: ArrayLike | None = None
-    ) -> Cut:
+    def cut(self, joints: Sequence[Joint], *, within: float = 1.05, bounds: ArrayLike | None = None) -> Cut:
         """Cut joints through the particles; to be called once, after particles have been bonded.
 
         Pairs that a joint crosses, bonded or as near as touching, become faces of the joint: bonded where its

@@ -50,7 +50,10 @@ class JointScatter:
         ):
             if not 0.0 <= value <= most:
                 raise InputError(
-                    f"joint set, scatter of {name}", "it is out of range", f"Give 0 to {most:.3g}", value=value
+                    f"joint set, scatter of {name}",
+                    "it is out of range",
+                    f"Give 0 to {most:.3g}",
+                    value=value,
                 )
 
 
@@ -190,7 +193,9 @@ def _checked(
     if box.shape[1] != dimension:
         raise InputError("bounds", f"these are not those of a body in {dimension}D", "Take the other set")
     if not (math.isfinite(spacing) and spacing > 0.0):
-        raise InputError("joint set, spacing", "this is no spacing", "Give metres, more than 0", value=spacing)
+        raise InputError(
+            "joint set, spacing", "this is no spacing", "Give metres, more than 0", value=spacing
+        )
     if not trace > 0.0:
         raise InputError("joint set, trace", "this is no length", "Give metres, more than 0", value=trace)
     if not (math.isfinite(gap) and gap >= 0.0):

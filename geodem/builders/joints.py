@@ -188,9 +188,7 @@ def clipped(joint: Joint, bounds: ArrayLike) -> Joint | None:
         return None
     middle = 0.5 * (low + high)[keep]
     centres = joint.centres[keep] + middle[:, None] * along[keep]
-    return replace(
-        joint, centres=centres, normals=joint.normals[keep], radii=0.5 * (high - low)[keep]
-    )
+    return replace(joint, centres=centres, normals=joint.normals[keep], radii=0.5 * (high - low)[keep])
 
 
 def in_band(joint: Joint, positions: ArrayLike, thickness: float) -> NDArray[np.bool_]:
@@ -199,7 +197,9 @@ def in_band(joint: Joint, positions: ArrayLike, thickness: float) -> NDArray[np.
     Particles there make a fault with a filling when they are added with a material of their own.
     """
     if not (math.isfinite(thickness) and thickness > 0.0):
-        raise InputError("joint, thickness", "this is no thickness", "Give metres, more than 0", value=thickness)
+        raise InputError(
+            "joint, thickness", "this is no thickness", "Give metres, more than 0", value=thickness
+        )
     points = _numbers("positions", positions, "m")
     return np.asarray(distance_to(joint, points)[0] <= 0.5 * thickness)
 
@@ -248,7 +248,9 @@ def _numbers(place: str, values: ArrayLike | Sequence[ArrayLike], unit: str) -> 
 def _vector(place: str, values: ArrayLike, dimension: int) -> Floats:
     found = _numbers(place, values, "m")
     if found.shape != (dimension,):
-        raise InputError(place, f"these are not {dimension} numbers", f"Give {dimension}", value=found.tolist())
+        raise InputError(
+            place, f"these are not {dimension} numbers", f"Give {dimension}", value=found.tolist()
+        )
     return found
 
 

@@ -46,8 +46,8 @@ account: Any = None
 
 
 def joint_pair(
-    p, number, a, b, i, j, dx, dy, dz, rows, pair_bond, history, bond_table, bond_scale, time_step, step, breaking, loads,
-    energy, utilisation, record,
+    p, number, a, b, i, j, dx, dy, dz, rows, pair_bond, history, bond_table, bond_scale, time_step, step, breaking,
+    loads, energy, utilisation, record,
 ):  # fmt: skip
     """Forces of the pair p: rows begin at a and b, loads at i and j; number: of its bond, 0 where there is none.
 

@@ -83,7 +83,19 @@ def compress(
         raise InputError("confinement", "this is no pressure", "Give Pa, 0 or more", value=confinement)
     kind = "triaxial-compression" if confinement else "uniaxial-compression"
     return _along(
-        kind, specimen, material, 1.0, confinement, expected_strain, pace, time_share, fall, seed, watch, share, prepare
+        kind,
+        specimen,
+        material,
+        1.0,
+        confinement,
+        expected_strain,
+        pace,
+        time_share,
+        fall,
+        seed,
+        watch,
+        share,
+        prepare,
     )
 
 
@@ -131,7 +143,9 @@ def _along(
     own = seed if seed is not None else (specimen.seed or 1)
 
     def mounted() -> Rig:
-        return Rig(specimen, material, confinement=confinement, time_share=time_share, seed=own, prepare=prepare)
+        return Rig(
+            specimen, material, confinement=confinement, time_share=time_share, seed=own, prepare=prepare
+        )
 
     steps = 0
     fastest: tuple[Rig, Motion] | None = None

@@ -91,7 +91,9 @@ def stress_in_box(
             "Give one row of each a link, and corners of as many coordinates",
         )
     if not (most > least).all():
-        raise InputError("region, corners", "they bound no box", "Give the lowest and the highest coordinates")
+        raise InputError(
+            "region, corners", "they bound no box", "Give the lowest and the highest coordinates"
+        )
     # of each line, from where to where it is between the two faces of every pair
     still = branch == 0.0
     safe = np.where(still, 1.0, branch)

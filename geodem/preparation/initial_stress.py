@@ -1,13 +1,14 @@
 """Stress that bonded ground is under before anything is done to it: a tensor everywhere, or weight and K0 with depth.
 
-What holds the ground (particles that are held, on the outline but for free surfaces) is moved so that the ground inside
-gets the strain that goes with the wanted stress; what is free follows by an elastic solve, its weight included. Strains
-that are constant, or grow with depth, belong to displacements that a body can have, so nothing has to give. The stiffness
-of the ground is measured on the way, and what is still amiss is corrected the same way. No bond breaks.
+What holds the ground (particles that are held, on the outline but for free surfaces) is moved so that the ground
+inside gets the strain that goes with the wanted stress; what is free follows by an elastic solve, its weight included.
+Strains that are constant, or grow with depth, belong to displacements that a body can have, so nothing has to give. The
+stiffness of the ground is measured on the way, and what is still amiss is corrected the same way. No bond breaks.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -126,7 +127,9 @@ def ground_stress(
     sides = np.broadcast_to(np.asarray(k0, dtype=float), (dimension - 1,))
     for value in (unit_weight, *sides):
         if not (math.isfinite(value) and value >= 0.0):
-            raise InputError("stress, unit weight or K0", "this is out of range", "Give 0 or more", value=value)
+            raise InputError(
+                "stress, unit weight or K0", "this is out of range", "Give 0 or more", value=value
+            )
     growth = -unit_weight * np.diag([*sides, 1.0])
     return WantedStress(np.zeros_like(growth), growth, float(top))
 
@@ -169,7 +172,9 @@ def set_initial_stress(
         raise InputError("stress", problem, f"Give {d} x {d} numbers", value=wanted.at_top.tolist())
     held = s.assembly.held
     if not held[:, :d].any():
-        raise InputError("assembly", "nothing is held that could press on it", "Hold the particles of its outline")
+        raise InputError(
+            "assembly", "nothing is held that could press on it", "Hold the particles of its outline"
+        )
     steps = _Steps(s)
     low, high = _gauge(s)
     graded = bool(np.abs(wanted.per_depth).any())
@@ -320,7 +325,7 @@ def _boxes(low: Floats, high: Floats, levels: int) -> list[tuple[Floats, Floats]
     edges = np.linspace(low[-1], high[-1], levels + 1)
     return [
         (np.append(low[:-1], below), np.append(high[:-1], above))
-        for below, above in zip(edges[:-1], edges[1:], strict=True)
+        for below, above in itertools.pairwise(edges)
     ]
 
 

@@ -10,8 +10,8 @@ Where that is more than the strength of the rock, or there is no such angle, the
 Source: Jaeger 1960, Shear failure of anisotropic rocks, Geol. Mag. 97:65.
 
 The side of a specimen is a row of particles, so a joint ends half a particle within: under pressure alone, without
-cohesion, a specimen 20 particles wide slides some 10 % too early at 60 degrees. Specimens here have cohesion, and all of
-it stays, as the formula has it.
+cohesion, a specimen 20 particles wide slides some 10 % too early at 60 degrees. Specimens here have cohesion, and all
+of it stays, as the formula has it.
 """
 
 from __future__ import annotations

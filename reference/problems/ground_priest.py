@@ -110,9 +110,7 @@ def block(wet: bool, diameter: float) -> Block:
     cut = build.cut([segment(CORNERS[0], CORNERS[1], "plane")], bounds=bounds)
     build.hold(np.flatnonzero(~own), x=0.0, y=0.0, rotation=0.0)
     if wet:
-        press_joints(
-            build, cut, lambda places: WATER * HEAD * np.clip(places @ along / LENGTH, 0.0, 1.0)
-        )
+        press_joints(build, cut, lambda places: WATER * HEAD * np.clip(places @ along / LENGTH, 0.0, 1.0))
         # the crack's water on the particles that line it
         line = moving[(points[moving, 0] > CORNERS[1, 0] - diameter) & (points[moving, 1] < 15.0 + HEAD)]
         share = np.clip(15.0 + HEAD - points[line, 1], 0.0, None) * radii[line]
@@ -156,5 +154,7 @@ def priest(*, wet: bool, diameter: float = 0.8, width: float = 0.005) -> list[Ro
     count = len(scene.moving)
     return [
         relative(name, f"factor, {count} particles", 0.5 * (low + high), expected, 0.02, seconds, SOURCE),
-        relative(name, "length of the plane [m]", float(scene.cut.areas.sum()), LENGTH, 0.02, 0.0, "geometry"),
+        relative(
+            name, "length of the plane [m]", float(scene.cut.areas.sum()), LENGTH, 0.02, 0.0, "geometry"
+        ),
     ]

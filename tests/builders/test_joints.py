@@ -31,9 +31,7 @@ def test_polyline_has_a_face_between_every_two_points():
 
 def test_dip_and_dip_direction():
     """x east, y north: a plane that dips 30 degrees to the east has its normal tilted to the east."""
-    assert dip_normal(math.radians(30.0), math.radians(90.0)) == pytest.approx(
-        [0.5, 0.0, math.sqrt(0.75)]
-    )
+    assert dip_normal(math.radians(30.0), math.radians(90.0)) == pytest.approx([0.5, 0.0, math.sqrt(0.75)])
     assert dip_normal(math.radians(90.0), 0.0) == pytest.approx([0.0, 1.0, 0.0], abs=1e-15)
 
 
@@ -122,7 +120,10 @@ def test_band_is_as_thick_as_it_is_given():
         (lambda: joint_set_2d(BOX2, "j", angle=0.0, spacing=0.0), "spacing"),
         (lambda: joint_set_2d(BOX2, "j", angle=0.0, spacing=1e-6), "joints"),
         (lambda: joint_set_2d(BOX3, "j", angle=0.0, spacing=1.0), "2D"),
-        (lambda: joint_set_2d(BOX2, "j", angle=0.0, spacing=1.0, scatter=JointScatter(1, trace=1.0)), "trace"),
+        (
+            lambda: joint_set_2d(BOX2, "j", angle=0.0, spacing=1.0, scatter=JointScatter(1, trace=1.0)),
+            "trace",
+        ),
     ],
 )
 def test_bad_joints_are_refused(make, named):

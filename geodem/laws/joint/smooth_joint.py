@@ -93,9 +93,7 @@ def force(
     )  # fmt: skip
 
 
-def energy(
-    normal_stiffness, shear_stiffness, overlap, area, intact, dilated, shear_x, shear_y, shear_z
-):
+def energy(normal_stiffness, shear_stiffness, overlap, area, intact, dilated, shear_x, shear_y, shear_z):
     """Elastic energy A kn u^2/2 + Fs^2/(2 ks A) [J]; an open face that is broken stores none."""
     closure = overlap + dilated
     closure = closure if intact > 0.0 or closure > 0.0 else 0.0
@@ -113,7 +111,7 @@ def check(parameters: SmoothJointParameters) -> list[Fault]:
     found = faults(
         parameters,
         positive=("normal_stiffness", "shear_stiffness"),
-        not_negative=("friction_coefficient", "cohesion", "tensile_strength", "dilation_coefficient", "residual_cohesion"),
+        not_negative=SmoothJointParameters._fields[2:],
         may_be_infinite=("cohesion", "tensile_strength", "residual_cohesion"),
     )
     if parameters.residual_cohesion > parameters.cohesion:

@@ -19,7 +19,9 @@ GIVEN = {
 }  # fmt: skip
 
 
-def joint(overlap=0.0, slip=(0.0, 0.0, 0.0), *, intact=1.0, history=(0.0, 0.0, 0.0, 0.0), scale=1.0, **changed):
+def joint(
+    overlap=0.0, slip=(0.0, 0.0, 0.0), *, intact=1.0, history=(0.0, 0.0, 0.0, 0.0), scale=1.0, **changed
+):
     parameters = make_parameters(law, GIVEN | changed, "joint")
     return law.force(*parameters, overlap, *slip, AREA, intact, scale, *history)
 
@@ -90,7 +92,12 @@ def test_force_is_the_gradient_of_the_energy():
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("normal_stiffness", 0.0), ("friction_coefficient", -0.1), ("residual_cohesion", 3e5), ("cohesion", math.nan)],
+    [
+        ("normal_stiffness", 0.0),
+        ("friction_coefficient", -0.1),
+        ("residual_cohesion", 3e5),
+        ("cohesion", math.nan),
+    ],
 )
 def test_parameters_out_of_range_are_named(name, value):
     with pytest.raises(InputError, match=name):
