@@ -127,12 +127,12 @@ class Joints:
 
     Attributes
     ----------
-    law : str
-        Name in `geodem.laws.JOINT_LAWS`.
+    laws : tuple of str
+        Names in `geodem.laws.JOINT_LAWS`.
     names : tuple of str
-        Materials of joints.
-    table : (k, q)
-        Their parameters.
+        Materials of joints, and of bolts.
+    table : (k, 1 + q)
+        Which of the laws each has, and its parameters.
     normal : (f, d)
         Unit normal of every face, from its lower to its upper side.
     material : (f,) int32
@@ -149,9 +149,11 @@ class Joints:
         Of the face that each stands for.
     side_particle, side_joint, side_face : (l,) int32
         Particles near joints: joint, and 1 + the face that is nearest, negative below it.
+    untouched : (u,) int32
+        Materials of particles that touch nothing but by such links: bolts.
     """
 
-    law: str
+    laws: tuple[str, ...]
     names: tuple[str, ...]
     table: Floats
     normal: Floats
@@ -164,6 +166,7 @@ class Joints:
     side_particle: Integers
     side_joint: Integers
     side_face: Integers
+    untouched: Integers
 
 
 @dataclass(frozen=True)

@@ -7,15 +7,21 @@ closure of a joint is the same whichever particles face each other, and a plane 
 
 from __future__ import annotations
 
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .errors import InputError
 from .kernels.adapters import joint_columns
 from .kernels.motion import TOTAL_FRICTION
+from .laws.protocol import history_names, make_parameters
+from .measure.contact_forces import law_forces
+from .particle_layout import UNBREAKABLE
 
 if TYPE_CHECKING:
+    from .particle_reading import ParticleReading
     from .particle_simulation import ParticleSimulation
 
 Floats = NDArray[np.float64]
@@ -36,16 +42,23 @@ def mark_joints(s: ParticleSimulation) -> None:
     if len(chosen):
         _mark(s, new[chosen], face, upward, area)
     d = s.dimension
+    if len(joints.untouched):
+        # whatever else is near a bolt does not touch it
+        other = np.flatnonzero(history[:, place] == 0.0)
+        bolt = np.isin(s.assembly.material, joints.untouched)
+        history[other[bolt[first[other]] | bolt[second[other]]], place] = -1.0
     kind = history[:, place]
     across = np.flatnonzero(kind != 0.0)
     apart = s.now[p.b[across], :d] - s.now[p.a[across], :d]
     radii = s.assembly.radii
     near = np.sqrt((apart**2).sum(axis=1)) / (radii[first[across]] + radii[second[across]])
-    acts = (kind[across] > 0.0) & (near <= PARTING * joints.reach)
+    lasting = np.array([law.LASTING for law in s.features.joints()])
+    stays = lasting[s.joint_table[np.abs(kind[across]).astype(np.int64) - 1, 0].astype(np.int64)]
+    acts = (kind[across] > 0.0) & ((near <= PARTING * joints.reach) | stays)
     acts |= (near <= joints.reach) | (p.bond[across] > 0)
     acts &= history[across, place + 2 + d] > 0.0
     begins, ends = across[acts & (kind[across] < 0.0)], across[~acts & (kind[across] > 0.0)]
-    law = slice(place + joint_columns(d), place + joint_columns(d) + len(s.layout.joint))
+    law = slice(place + joint_columns(d), place + joint_columns(d) + s.layout.joint)
     history[begins, law] = 0.0
     if s.layout.stored is not None:
         # what a pair brings in or takes away stands in the account as friction
@@ -60,74 +73,111 @@ def mark_joints(s: ParticleSimulation) -> None:
     p.touching[ends] = 0
 
 
-def apart_of(s: ParticleSimulation, pairs: NDArray[np.int64]) -> Floats:
+def apart_of(s: ParticleReading, pairs: NDArray[np.int64]) -> Floats:
     """Ways (k, d) [m] from a to b of listed pairs."""
     d = s.dimension
     return np.asarray(s.now[s.pairs.b[pairs], :d] - s.now[s.pairs.a[pairs], :d])
 
 
-def joint_pairs(s: ParticleSimulation) -> NDArray[np.int64]:
+def joint_pairs(s: ParticleReading) -> NDArray[np.int64]:
     """Where in the list the pairs stand that act on each other through a joint."""
     if s.layout.place is None:
         return np.empty(0, dtype=np.int64)
     return np.flatnonzero(s.pairs.history[:, s.layout.place] > 0.0)
 
 
-def joint_values(s: ParticleSimulation, pairs: NDArray[np.int64]) -> dict[str, Floats]:
-    """Of listed pairs across joints: normal (k, d), overlap, distance along it, area, intact, and their parameters.
-
-    Parameters stand under the names of the law's, its history under the names of that.
-    """
-    joints, place, d = s.assembly.joints, s.layout.place, s.dimension
-    assert joints is not None
+def joint_values(s: ParticleReading, pairs: NDArray[np.int64]) -> dict[str, Floats]:
+    """Of listed pairs across joints: normal (k, d), overlap, distance along it, area, intact, scale, number of law."""
+    place, d = s.layout.place, s.dimension
     assert place is not None
     history = s.pairs.history[pairs]
     distance = _along(history, place, apart_of(s, pairs))
     number = s.pairs.bond[pairs]
-    law = s.features.joint()
-    assert law is not None
     row = np.abs(history[:, place]).astype(np.int64) - 1
-    found = dict(zip(law.PARAMETERS._fields, s.joint_table[row].T, strict=True))
-    found |= {
+    return {
         "normal": history[:, place + 1 : place + 1 + d], "distance": distance,
         "overlap": history[:, place + 1 + d] - distance, "area": history[:, place + 2 + d],
         "intact": (number > 0).astype(float),
         "scale": np.where(number > 0, s.bond_scale[np.maximum(number - 1, 0)], 1.0),
+        "law": s.joint_table[row, 0],
     }  # fmt: skip
-    begin = place + joint_columns(d)
-    return found | {name: history[:, begin + k] for k, name in enumerate(s.layout.joint)}
 
 
-def open_joints(s: ParticleSimulation) -> NDArray[np.bool_]:
-    """Which listed pairs (p,) act on each other through a joint that is broken and open there."""
+def law_values(
+    s: ParticleReading, law: ModuleType, pairs: NDArray[np.int64]
+) -> tuple[Floats, dict[str, Floats]]:
+    """Parameters (k, q) and remembered values of pairs that have this law."""
+    place = s.layout.place
+    assert place is not None
+    history = s.pairs.history[pairs]
+    row = np.abs(history[:, place]).astype(np.int64) - 1
+    begin = place + joint_columns(s.dimension)
+    names = history_names(law, s.dimension)
+    kept = {name: history[:, begin + k] for k, name in enumerate(names)}
+    return s.joint_table[row, 1 : 1 + len(law.PARAMETERS._fields)], kept
+
+
+def open_joints(s: ParticleReading) -> NDArray[np.bool_]:
+    """Which listed pairs (p,) lie across a joint that is broken and open there, or across a broken link."""
     found = np.zeros(s.pairs.pairs, dtype=bool)
     which = joint_pairs(s)
-    if len(which):
-        known = joint_values(s, which)
-        found[which] = (known["intact"] == 0.0) & (known["overlap"] + known["dilated"] < 0.0)
+    if not len(which):
+        return found
+    known = joint_values(s, which)
+    for number, law in enumerate(s.features.joints()):
+        own = known["law"] == number
+        _, kept = law_values(s, law, which[own])
+        gone = known["intact"][own] == 0.0
+        if not law.LASTING:
+            gone &= known["overlap"][own] + kept["dilated"] < 0.0
+        found[which[own]] = gone
     return found
 
 
-def joint_forces(s: ParticleSimulation, pairs: NDArray[np.int64]) -> Floats:
+def joint_forces(s: ParticleReading, pairs: NDArray[np.int64]) -> Floats:
     """Forces (k, d) [N] of joints on the first of listed pairs, as of the last step."""
-    law = s.features.joint()
-    if law is None or not len(pairs):
-        return np.zeros((len(pairs), s.dimension))
+    found = np.zeros((len(pairs), s.dimension))
+    if not len(pairs):
+        return found
     known = joint_values(s, pairs)
-    normal = known["normal"]
-    closure = known["overlap"] + known["dilated"]
-    pressed = np.where((known["intact"] > 0.0) | (closure > 0.0), closure, 0.0)
-    size = known["normal_stiffness"] * known["area"] * pressed
-    if s.dimension == 3:
-        shear = np.stack([known[f"shear_{axis}"] for axis in "xyz"], axis=1)
-    else:
-        shear = known["shear_x"][:, None] * np.stack([-normal[:, 1], normal[:, 0]], axis=1)
-    return np.asarray(shear - size[:, None] * normal)
+    for number, law in enumerate(s.features.joints()):
+        own = known["law"] == number
+        parameters, kept = law_values(s, law, pairs[own])
+        given = {name: known[name][own] for name in ("overlap", "area", "intact", "scale")}
+        normal = known["normal"][own]
+        values = law_forces(law, s.dimension, parameters, given | kept)
+        if s.dimension == 3:
+            shear = values[:, 1:]
+        else:
+            shear = values[:, 1:2] * np.stack([-normal[:, 1], normal[:, 0]], axis=1)
+        found[own] = shear - values[:, :1] * normal
+    return found
+
+
+def set_joint(s: ParticleSimulation, material: str, **parameters: float) -> None:
+    """Change parameters of a material of joints or bolts from now on.
+
+    Raises
+    ------
+    InputError
+        No such material or parameter, or a value out of range.
+    """
+    joints = s.assembly.joints
+    names = () if joints is None else joints.names
+    if material not in names:
+        problem = "there is no such material of joints"
+        raise InputError("material", problem, f"Known: {', '.join(names) or 'none'}", value=material)
+    row = s.joint_table[names.index(material)]
+    law = s.features.joints()[int(row[0])]
+    fields = law.PARAMETERS._fields
+    now = dict(zip(fields, np.where(row[1:] >= UNBREAKABLE, np.inf, row[1:]).tolist(), strict=False))
+    changed = make_parameters(law, now | parameters, f"joint material {material!r}")
+    row[1 : 1 + len(fields)] = np.minimum(changed, UNBREAKABLE)
 
 
 def bond_table(s: ParticleSimulation) -> Floats:
     """The table of bonds as the loops want it: rows of joints follow those of pairs of materials."""
-    if s.features.joint_law is None:
+    if not s.features.joint_laws:
         return s.bond_table
     rows = len(s.assembly.material_names) ** 2
     width = max(s.bond_table.shape[1], s.joint_table.shape[1])

@@ -24,7 +24,7 @@ from .integrators.network import (
 )
 from .kernels.link_products import link_product
 from .laws.protocol import argument_names
-from .particle_joints import joint_values, open_joints
+from .particle_joints import joint_values, law_values, open_joints
 
 if TYPE_CHECKING:
     from .particle_cell import ParticleCell
@@ -190,7 +190,9 @@ def _pair_links(s: ParticleSimulation, *, listed: bool = True, least: float = 0.
         stiffness[bonded] += stiffness_of(bond, s.bond_table, bonded, np.zeros(len(first)))
     apart /= distance[:, None]
     if s.layout.place is not None:
-        _along_joints(s, np.arange(len(p.a))[chosen], distance, apart, stiffness)
+        across = _along_joints(s, np.arange(len(p.a))[chosen], distance, apart, stiffness)
+        # a joint's force acts half-way
+        radius_a, radius_b = np.where(across, 0.0, radius_a), np.where(across, 0.0, radius_b)
     half = 0.5 * (distance + radius_a - radius_b)
     arms = np.stack([half, distance - half], axis=1)
     del overlap, pressed, half
@@ -199,17 +201,25 @@ def _pair_links(s: ParticleSimulation, *, listed: bool = True, least: float = 0.
 
 def _along_joints(
     s: ParticleSimulation, listed: NDArray[np.intp], distance: Floats, normal: Floats, stiffness: Floats
-) -> None:
-    """Put what joints make of their pairs in place: distance and normal are theirs, and so is the stiffness."""
-    law = s.features.joint()
-    assert law is not None
+) -> NDArray[np.bool_]:
+    """Put what joints make of their pairs in place: distance and normal are theirs, and so is the stiffness.
+
+    Returns which pairs lie across joints.
+    """
     kind = s.pairs.history[listed, s.layout.place]
     across = np.flatnonzero(kind != 0.0)
     known = joint_values(s, listed[across])
     distance[across], normal[across] = known["distance"], known["normal"]
-    values = law.stiffness(**{name: known[name] for name in argument_names(law.stiffness)})
-    for k, value in enumerate(values):
-        stiffness[across, k] = np.where(kind[across] > 0.0, value, 0.0)
+    stiffness[across] = 0.0
+    acts = kind[across] > 0.0
+    for number, law in enumerate(s.features.joints()):
+        own = np.flatnonzero(acts & (known["law"] == number))
+        parameters, _ = law_values(s, law, listed[across[own]])
+        given = dict(zip(law.PARAMETERS._fields, parameters.T, strict=True)) | {"area": known["area"][own]}
+        values = law.stiffness(**{name: given[name] for name in argument_names(law.stiffness)})
+        for k, value in enumerate(values):
+            stiffness[across[own], k] = value
+    return kind != 0.0
 
 
 def _asks_for_masses(law: ModuleType) -> bool:

@@ -160,7 +160,7 @@ def scene_features(s: ParticleSimulation, *, energy: bool, orientation: bool, co
         periodic=a.cell is not None,
         blocked=d == 3 and s.parallel and not energy,
         convention=convention,
-        joint_law=None if a.joints is None else a.joints.law,
+        joint_laws=() if a.joints is None else a.joints.laws,
     )
 
 

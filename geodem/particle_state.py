@@ -70,7 +70,7 @@ def state_tree(s: ParticleSimulation) -> Tree:
         **({} if s.cell is None else {"cell": s.cell.state}),
         "plain": {
             "numbers": {name: _plain(getattr(s, name)) for name in NUMBERS},
-            "features": asdict(s.features),
+            "features": {**asdict(s.features), "joint_laws": list(s.features.joint_laws)},
             "sleep": None if s.sleep is None else [float(s.sleep.speed), int(s.sleep.steps)],
             "stages": [[int(step), float(time), float(length)] for step, time, length in s.stages],
             "far": int(s.pairs.far),
@@ -101,7 +101,8 @@ def _fill(s: ParticleSimulation, assembly: Assembly, tree: Mapping[str, Any]) ->
     s.assembly = assembly
     s.dimension = assembly.dimension
     s.columns = Columns(assembly.dimension)
-    s.features = Features(**plain["features"])
+    features = plain["features"]
+    s.features = Features(**{**features, "joint_laws": tuple(features["joint_laws"])})
     s.layout = s.features.layout()
     s.sleep = None if plain["sleep"] is None else Sleep(*plain["sleep"])
     s.stages = [(step, time, length) for step, time, length in plain["stages"]]

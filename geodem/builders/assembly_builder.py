@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geodem.assembly import DISC_INERTIA, SPHERE_INERTIA, Anchors, Assembly, Cell, Joints, Wall
+from geodem.assembly import DISC_INERTIA, SPHERE_INERTIA, Anchors, Assembly, Cell, Wall
 from geodem.boundaries.checks import wall_errors
 from geodem.builders import assembly_checks as checks
 from geodem.builders.assembly_checks import as_numbers, bad_entries, chosen, raise_all
@@ -19,11 +19,12 @@ from geodem.builders.bond_scatter import LognormalScatter, NormalScatter
 from geodem.builders.cell_checks import cell_errors, make_cell
 from geodem.builders.close_pairs import close_pairs
 from geodem.builders.interactions import Materials, find_law, pair_of
-from geodem.builders.joint_cut import Cut, find_cut, make_joints, put_aside
-from geodem.builders.joints import Joint, box_of
+from geodem.builders.joint_cut import Cut
+from geodem.builders.joints import Joint
+from geodem.builders.linkage import Linkage
 from geodem.builders.memory import refuse_too_large
 from geodem.errors import InputError
-from geodem.laws import BOND_LAWS, CONTACT_LAWS, JOINT_LAWS
+from geodem.laws import BOND_LAWS, CONTACT_LAWS
 from geodem.laws.protocol import make_parameters
 
 Floats = NDArray[np.float64]
@@ -45,8 +46,6 @@ class AssemblyBuilder:
         Name in `geodem.laws.BOND_LAWS`.
     gravity : (d,) float, optional
         [m/s2]; none where it is left out.
-    joint_law : str
-        Name in `geodem.laws.JOINT_LAWS`.
 
     Raises
     ------
@@ -60,7 +59,6 @@ class AssemblyBuilder:
         contact_law: str = "linear_frictional",
         bond_law: str | None = None,
         gravity: ArrayLike | None = None,
-        joint_law: str = "smooth_joint",
     ) -> None:
         if dimension not in (2, 3):
             raise InputError("dimension", "particles are discs or spheres", "Give 2 or 3.", value=dimension)
@@ -68,9 +66,7 @@ class AssemblyBuilder:
         self._rotations = 1 if dimension == 2 else 3
         self._law = find_law("contact", contact_law, CONTACT_LAWS, dimension)
         self._bond_law = None if bond_law is None else find_law("bond", bond_law, BOND_LAWS, dimension)
-        self._joint_law = find_law("joint", joint_law, JOINT_LAWS, dimension)
-        self._joint_materials: dict[str, Any] = {}
-        self._joints: Joints | None = None
+        self._linkage = Linkage(dimension)
         self._materials = Materials(self._law, self._bond_law)
         self._gravity = as_numbers("gravity", 0.0 if gravity is None else gravity, (dimension,), "m/s2")
         if not np.isfinite(self._gravity).all() or (gravity is not None and np.ndim(gravity) != 1):
@@ -96,6 +92,17 @@ class AssemblyBuilder:
     def particles(self) -> int:
         """Number of particles so far."""
         return len(self._radii)
+
+    @property
+    def bond_law(self) -> str | None:
+        """Name of the bond law."""
+        return None if self._bond_law is None else str(self._bond_law.NAME)
+
+    def solid(self) -> tuple[NDArray[np.int64], Floats, Floats]:
+        """Particles (k,) that touch others so far, their centres (k, d) and radii (k,) [m]."""
+        names = [self._materials.names.index(name) for name in self._linkage.untouched]
+        own = np.flatnonzero(~np.isin(self._material, names))
+        return own, self._positions[own], self._radii[own]
 
     def set_cell(self, vectors: ArrayLike, *, periodic: bool | Sequence[bool] = True) -> None:
         """Make everything periodic; to be called before particles are bonded.
@@ -314,12 +321,19 @@ class AssemblyBuilder:
         self._bonds = np.concatenate([self._bonds, pairs])
         self._scale = np.concatenate([self._scale, strength])
 
-    def add_joint_material(self, name: str, **parameters: float) -> None:
-        """Add a material of joints: the joint law's parameters, SI."""
-        place = f"joint material {name!r}"
-        if name in self._joint_materials:
-            raise InputError(place, "there is such a material already", "Give it another name.")
-        self._joint_materials[name] = make_parameters(self._joint_law, parameters, place)
+    def add_joint_material(self, name: str, *, law: str = "smooth_joint", **parameters: float) -> None:
+        """Add a material of joints or bolts: a law in `geodem.laws.JOINT_LAWS` and its parameters, SI."""
+        self._linkage.add_material(name, law, parameters)
+
+    def add_untouched_material(self, name: str, *, density: float) -> None:
+        """Add a material of particles that touch no others [kg/m3]: only links act on them, see `link`."""
+        if not self._materials.names:
+            raise InputError(
+                f"material {name!r}", "there is no ground yet", "Add the ground's material first."
+            )
+        contact = self._materials.contact[self._materials.names[0]]
+        self.add_material(name, density=density, contact=contact._asdict())
+        self._linkage.untouched.append(name)
 
     def cut(self, joints: Sequence[Joint], *, within: float = 1.05, bounds: ArrayLike | None = None) -> Cut:
         """Cut joints through the particles; to be called once, after particles have been bonded.
@@ -342,45 +356,55 @@ class AssemblyBuilder:
         Cut
             Pairs, normals, places and areas; `geodem.builders.joint_loads` takes it.
         """
-        if self._joints is not None:
-            raise InputError("cut", "this has been cut already", "Give all joints at once.")
-        if self._cell is not None:
-            raise InputError("cut", "a periodic cell has no joints", "Leave set_cell out.")
-        other = [joint.dimension for joint in joints if joint.dimension != self.dimension]
-        if other or not joints:
-            remedy = f"Give joints in {self.dimension}D."
-            raise InputError("cut", "there is no joint of this dimension", remedy, value=other[:1])
-        if not (np.isfinite(within) and 1.0 <= within <= checks.LONGEST_BOND):
-            problem = f"this is not between 1 and {checks.LONGEST_BOND:g}"
-            raise InputError("cut, within", problem, "Give a factor such as 1.05.", value=within)
-        positions, radii = self._positions, self._radii
-        box = np.array([(positions - radii[:, None]).min(axis=0), (positions + radii[:, None]).max(axis=0)])
-        box = box if bounds is None else box_of(bounds)
-        near, _ = close_pairs(positions, radii, lambda a, b: within * (a + b))
-        pairs = np.unique(np.concatenate([near, self._bonds]), axis=0)
-        cut = find_cut(positions, radii, pairs, joints, box)
-        sides, idle = put_aside(positions, radii, self._bonds, cut, joints)
-        cut = find_cut(sides, radii, pairs, joints, box, idle, whole=bounds is not None)
-        size = radii[cut.pairs].sum(axis=1)
-        apart = np.linalg.norm(positions[cut.pairs[:, 1]] - positions[cut.pairs[:, 0]], axis=1)
-        reach = max(within, float((apart / size).max(initial=0.0)) * (1.0 + 1e-12))
-        law = self._joint_law.NAME
-        self._joints = make_joints(cut, joints, law, self._joint_materials, sides, radii, reach)
-        holds = {name: self._joint_law.starts_bonded(own) for name, own in self._joint_materials.items()}
-        loose = np.array([not holds[joint.material] for joint in joints], dtype=bool)[cut.joint]
-        loose |= cut.areas == 0.0
-        keys = checks.pair_keys(self._bonds, self.particles)
-        keep = ~np.isin(keys, checks.pair_keys(cut.pairs[loose], self.particles))
+        self._refuse_cell("cut")
+        cut, bonded, loose = self._linkage.cut_through(
+            self._positions, self._radii, self._bonds, joints, within, bounds
+        )
+        keep = ~np.isin(
+            checks.pair_keys(self._bonds, self.particles), checks.pair_keys(loose, self.particles)
+        )
         self._bonds, self._scale = self._bonds[keep], self._scale[keep]
-        new = ~loose & ~np.isin(checks.pair_keys(cut.pairs, self.particles), keys)
-        if self._bond_law is None and new.any():
+        self._record_like_bonds("cut", bonded)
+        return cut
+
+    def link(self, pairs: ArrayLike, directions: ArrayLike, shares: ArrayLike, material: str) -> None:
+        """Link pairs of particles along directions of their own, for instance the pieces of a bolt.
+
+        Parameters
+        ----------
+        pairs : (k, 2) int
+        directions : (d,) or (k, d) float
+            Vectors that keep their direction.
+        shares : float or (k,) float
+            Of the material, see its law.
+        material : str
+            Of `add_joint_material`.
+        """
+        self._refuse_cell("link")
+        numbers = np.asarray(pairs, dtype=np.int64).reshape(-1, 2)
+        chosen("link", numbers.ravel(), self.particles)
+        along = as_numbers("link, directions", directions, (len(numbers), self.dimension), "units of 1")
+        along = np.where((numbers[:, 0] > numbers[:, 1])[:, None], -along, along)
+        numbers = np.sort(numbers, axis=1)
+        self._linkage.link(numbers, along, shares, material)
+        self._record_like_bonds("link", numbers)
+
+    def _record_like_bonds(self, place: str, pairs: Pairs) -> None:
+        """Number links like bonds, so that their breaks are recorded; bonds that are there already keep theirs."""
+        new = pairs[
+            ~np.isin(checks.pair_keys(pairs, self.particles), checks.pair_keys(self._bonds, self.particles))
+        ]
+        if self._bond_law is None and len(new):
             raise InputError(
-                "cut", "a joint with cohesion or tensile strength is recorded like a bond, and there is no bond law",
+                place, "what breaks here is recorded like a bond, and there is no bond law",
                 "Give AssemblyBuilder a bond_law, or the joint no strength.",
             )  # fmt: skip
-        self._bonds = np.concatenate([self._bonds, cut.pairs[new]])
-        self._scale = np.concatenate([self._scale, np.ones(int(new.sum()))])
-        return cut
+        self._bonds = np.concatenate([self._bonds, new])
+        self._scale = np.concatenate([self._scale, np.ones(len(new))])
+
+    def _refuse_cell(self, place: str) -> None:
+        if self._cell is not None:
+            raise InputError(place, "a periodic cell has neither joints nor bolts", "Leave set_cell out.")
 
     def hold(
         self,
@@ -500,9 +524,14 @@ class AssemblyBuilder:
         volume = np.pi * self._radii**2 if d == 2 else 4.0 / 3.0 * np.pi * self._radii**3
         mass = self._density * volume
         replaces = self._bond_law is not None and self._bond_law.REPLACES_CONTACT
-        crossed = self._bonds[:0] if self._joints is None else self._joints.pairs.astype(np.int64)
-        excepted = np.concatenate([self._bonds if replaces else self._bonds[:0], crossed])
-        errors = checks.deep_overlaps(self._positions, self._radii, excepted, self._cell)
+        joints = self._linkage.joints(names, self.particles)
+        excepted = np.concatenate([self._bonds if replaces else self._bonds[:0], self._linkage.crossed()])
+        solid = np.ones(self.particles, dtype=bool)
+        if joints is not None:
+            solid = ~np.isin(self._material, joints.untouched)
+        numbered = np.cumsum(solid) - 1
+        inner = excepted[solid[excepted].all(axis=1)]
+        errors = checks.deep_overlaps(self._positions[solid], self._radii[solid], numbered[inner], self._cell)
         if self._cell is not None:
             errors += cell_errors(self._cell, self._radii, self._walls, anchored=bool(self._anchors))
         walls = []
@@ -536,7 +565,7 @@ class AssemblyBuilder:
             anchors=self._springs(),
             walls=tuple(walls),
             cell=self._cell,
-            joints=self._joints,
+            joints=joints,
         )
         if replaces and self._bond_law is not None and len(self._bonds):
             raise_all(checks.energy_of_breaking(self._law, self._bond_law, assembly))

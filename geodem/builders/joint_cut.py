@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from geodem.assembly import Joints
 from geodem.builders.joints import Joint, distance_to
-from geodem.errors import InputError
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -177,7 +176,8 @@ def face_shares(joint: Joint, places: Floats, reach: Floats, smallest: float, bo
     for centre, normal, radius in zip(joint.centres, joint.normals, joint.radii, strict=True):
         points, size = _points(centre, normal, float(radius), smallest)
         inside = ((points >= bounds[0]) & (points <= bounds[1])).all(axis=1)
-        distance, nearest = tree.query(points[inside])
+        found = tree.query(points[inside])
+        distance, nearest = np.asarray(found[0]), np.asarray(found[1])
         near = distance <= reach[nearest]
         areas += size * np.bincount(nearest[near], minlength=len(places))
     return areas
@@ -230,34 +230,22 @@ def _crossed(positions: Floats, pairs: Integers, joint: Joint) -> _Crossed:
     return _Crossed(which, face[which], share[which], upward[which])
 
 
-def make_joints(
-    cut: Cut,
-    joints: Sequence[Joint],
-    law: str,
-    parameters: Mapping[str, Sequence[float]],
-    positions: Floats,
-    radii: Floats,
-    reach: float,
+def cut_joints(
+    cut: Cut, joints: Sequence[Joint], names: Sequence[str], positions: Floats, radii: Floats, reach: float
 ) -> Joints:
-    """What an assembly keeps of its joints.
+    """What an assembly keeps of what is cut; `with_links` adds laws and parameters.
 
     Parameters
     ----------
     cut : Cut
     joints : sequence of Joint
-    law : str
-    parameters : dict of str to tuple
-        Of the law, by the materials' names.
+    names : sequence of str
+        Of the materials of joints.
+    positions : (n, d) [m]
+        By which particles belong to sides, see `put_aside`.
     reach : float
         See `geodem.assembly.Joints`.
     """
-    names = tuple(parameters)
-    for joint in joints:
-        if joint.material not in names:
-            raise InputError(
-                "joint, material", "there is no such material of joints",
-                f"Add it with add_joint_material; known: {', '.join(names) or 'none'}", value=joint.material,
-            )  # fmt: skip
     d = positions.shape[1]
     size = radii[cut.pairs].min(axis=1) ** (d - 1)
     per_size = np.ones(sum(joint.faces for joint in joints))
@@ -273,10 +261,8 @@ def make_joints(
         first += joint.faces
     particle, of_joint, side = (np.concatenate(part) for part in zip(*sides, strict=True))
     rows = [names.index(joint.material) for joint in joints for _ in range(joint.faces)]
-    return Joints(
-        law=law,
-        names=names,
-        table=np.array([parameters[name] for name in names], dtype=np.float64),
+    return replace(
+        _no_joints(d),
         normal=np.concatenate([joint.normals for joint in joints]),
         material=np.array(rows, dtype=np.int32),
         per_size=per_size,
@@ -288,6 +274,54 @@ def make_joints(
         side_joint=of_joint.astype(np.int32),
         side_face=side.astype(np.int32),
     )
+
+
+def with_links(
+    cut: Joints | None,
+    links: Sequence[tuple[Integers, Floats, Floats, str]],
+    materials: Mapping[str, tuple[str, Sequence[float]]],
+    untouched: NDArray[np.int32],
+    dimension: int,
+) -> Joints:
+    """Joints with links of bolts, and the table of laws and parameters.
+
+    Parameters
+    ----------
+    cut : Joints or None
+        By `cut_joints`.
+    links : sequence of (pairs (k, 2), directions (k, d), shares (k,), material)
+    materials : dict of str to (str, tuple)
+        Law and parameters by name.
+    untouched : (u,) int32
+        See `geodem.assembly.Joints`.
+    """
+    found = cut or _no_joints(dimension)
+    names = tuple(materials)
+    laws = tuple(sorted({law for law, _ in materials.values()}))
+    table = np.zeros((len(materials), 1 + max((len(values) for _, values in materials.values()), default=0)))
+    for row, (law, values) in zip(table, materials.values(), strict=True):
+        row[0] = laws.index(law)
+        row[1 : 1 + len(values)] = values
+    for pairs, directions, shares, material in links:
+        count, first = len(pairs), len(found.normal)
+        found = replace(
+            found,
+            normal=np.concatenate([found.normal, directions]),
+            material=np.concatenate([found.material, np.full(count, names.index(material), dtype=np.int32)]),
+            per_size=np.concatenate([found.per_size, np.ones(count)]),
+            pairs=np.concatenate([found.pairs, pairs.astype(np.int32)]),
+            face=np.concatenate([found.face, np.arange(first + 1, first + count + 1, dtype=np.int32)]),
+            area=np.concatenate([found.area, shares]),
+        )
+    return replace(found, laws=laws, names=names, table=table, untouched=untouched)
+
+
+def _no_joints(dimension: int) -> Joints:
+    whole, number = np.empty(0), np.empty(0, dtype=np.int32)
+    return Joints(
+        (), (), np.empty((0, 1)), np.empty((0, dimension)), number, whole, 1.0, np.empty((0, 2), dtype=np.int32),
+        number, whole, number, number, number, number,
+    )  # fmt: skip
 
 
 def _sides(joint: Joint, positions: Floats, radii: Floats, reach: float) -> tuple[Integers, Integers]:

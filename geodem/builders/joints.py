@@ -7,7 +7,6 @@ the body.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -87,7 +86,7 @@ def polyline(points: ArrayLike, material: str) -> Joint:
 
 def segment(start: ArrayLike, end: ArrayLike, material: str) -> Joint:
     """A joint along a straight line, 2D; points [m]."""
-    return polyline([start, end], material)
+    return polyline(np.stack([np.asarray(start, dtype=float), np.asarray(end, dtype=float)]), material)
 
 
 def disc(centre: ArrayLike, normal: ArrayLike, radius: float, material: str) -> Joint:
@@ -235,7 +234,7 @@ def _faces(joint: Joint, keep: NDArray[np.int64]) -> Joint:
     return replace(joint, centres=joint.centres[keep], normals=joint.normals[keep], radii=joint.radii[keep])
 
 
-def _numbers(place: str, values: ArrayLike | Sequence[ArrayLike], unit: str) -> Floats:
+def _numbers(place: str, values: ArrayLike, unit: str) -> Floats:
     try:
         found = np.array(values, dtype=np.float64)
     except (TypeError, ValueError):

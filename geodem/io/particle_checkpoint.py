@@ -95,7 +95,8 @@ def assembly_tree(assembly: Assembly) -> Tree:
         }
     if assembly.joints is not None:
         joints = {field.name: getattr(assembly.joints, field.name) for field in fields(Joints)}
-        plain = {"law": joints.pop("law"), "names": list(joints.pop("names")), "reach": joints.pop("reach")}
+        plain = {"laws": list(joints.pop("laws")), "names": list(joints.pop("names"))}
+        plain["reach"] = [float(joints.pop("reach"))]
         tree["joints"] = {**joints, "plain": plain}
     tree["walls"] = {str(number): _wall_tree(wall) for number, wall in enumerate(assembly.walls)}
     return tree
@@ -131,14 +132,12 @@ def assembly_from(tree: Mapping[str, Any], place: str) -> Assembly:
 
 def _joints_from(tree: Mapping[str, Any], place: str) -> Joints:
     plain = tree["plain"]
-    if plain["law"] not in JOINT_LAWS:
-        raise InputError(
-            place,
-            f"its joint law {plain['law']!r} is not known here",
-            "Register the law as you did before, then resume",
-        )
+    for law in plain["laws"]:
+        if law not in JOINT_LAWS:
+            problem = f"its joint law {law!r} is not known here"
+            raise InputError(place, problem, "Register the law as you did before, then resume")
     arrays = {name: value for name, value in tree.items() if isinstance(value, np.ndarray)}
-    return Joints(**arrays, law=plain["law"], names=tuple(plain["names"]), reach=plain["reach"])
+    return Joints(tuple(plain["laws"]), tuple(plain["names"]), reach=plain["reach"][0], **arrays)
 
 
 def _wall_tree(wall: Wall) -> Tree:

@@ -21,7 +21,6 @@ SCALED = True
 FREEDOMS = 6
 JOINT = 0  # first column of a pair's history, see below
 JOINT_ROWS = 0  # row of the first joint in the table of bonds, which theirs are joined to
-RADIUS = 3
 VELOCITY = 4
 SPIN = 8
 STORED = 0
@@ -69,8 +68,8 @@ def joint_pair(
     if SPACE:
         distance += dz * nz
     overlap = history[p, at] - distance
-    arm_a = 0.5 * (distance + rows[a + RADIUS] - rows[b + RADIUS])
-    arm_b = distance - arm_a
+    arm_a = 0.5 * distance
+    arm_b = arm_a
     dvx = rows[b + VELOCITY] - rows[a + VELOCITY]
     dvy = rows[b + VELOCITY + 1] - rows[a + VELOCITY + 1]
     slip_y = 0.0

@@ -63,8 +63,8 @@ class Features:
         Vectorised loop over blocks of pairs that touch (3D).
     convention : str
         Name in `geodem.laws.convention.CONVENTIONS`.
-    joint_law : str or None
-        Some pairs lie across joints.
+    joint_laws : tuple of str
+        Laws of pairs across joints and along bolts; empty where there are none.
     """
 
     dimension: int
@@ -92,18 +92,23 @@ class Features:
     periodic: bool = False
     blocked: bool = False
     convention: str = "geodem"
-    joint_law: str | None = None
+    joint_laws: tuple[str, ...] = ()
 
     def layout(self) -> HistoryLayout:
         """Columns of the history of pairs."""
         contact, bond = self.laws()
         return history_layout(
-            contact, bond, dimension=self.dimension, energy=self.energy, shear=self.shear, joint=self.joint()
+            contact,
+            bond,
+            dimension=self.dimension,
+            energy=self.energy,
+            shear=self.shear,
+            joints=self.joints(),
         )
 
-    def joint(self) -> ModuleType | None:
-        """Module of the law of joints."""
-        return None if self.joint_law is None else JOINT_LAWS[self.joint_law]
+    def joints(self) -> tuple[ModuleType, ...]:
+        """Modules of the laws of joints."""
+        return tuple(JOINT_LAWS[name] for name in self.joint_laws)
 
     def laws(self) -> tuple[ModuleType, ModuleType | None]:
         """Modules of the laws."""
@@ -115,7 +120,7 @@ class Features:
         if not self.blocked or self.dimension != 3 or self.energy or "shear_x" not in layout.contact:
             return False
         # joints are met pair by pair
-        if self.joint_law is not None:
+        if self.joint_laws:
             return False
         contact, bond = self.laws()
         laws = [law for law in (contact, bond) if law is not None]
@@ -153,11 +158,10 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
         )
         law_functions += bond_functions
         adapters += more
-    joint = features.joint()
-    if joint is None:
+    if not features.joint_laws:
         adapters += ["joint_pair = None"]
     else:
-        joint_functions, more = joint_adapters(joint, dimension=features.dimension, layout=layout)
+        joint_functions, more = joint_adapters(features.joints(), dimension=features.dimension, layout=layout)
         law_functions += joint_functions
         adapters += more
     adapters = [*convention_texts(CONVENTIONS[features.convention]), *adapters]
@@ -165,7 +169,7 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
     loops: list[Callable[..., Any]] = []
     if not blocked:
         loops += [pairs.account]
-        loops += joints.FUNCTIONS if joint is not None else ()
+        loops += joints.FUNCTIONS if features.joint_laws else ()
         loops += [pairs.range_of_pairs, pairs.pairs]
     if features.walls:
         law_texts, more = wall_adapters(
@@ -268,7 +272,7 @@ def _constants(features: Features, contact: ModuleType, bond: ModuleType | None)
         "RELAX": features.relax,
         "SLEEP": features.sleep,
         "PERIODIC": features.periodic,
-        "JOINTS": features.joint_law is not None,
+        "JOINTS": bool(features.joint_laws),
         "JOINT": layout.place or 0,
         "JOINT_ROWS": features.materials**2,
     }

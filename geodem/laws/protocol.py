@@ -212,7 +212,7 @@ def check_law(law: ModuleType, kind: Literal["contact", "bond", "joint"]) -> Non
     place = f"{kind} law {name}"
     offers = (*_BOTH, *(_BONDS if kind == "bond" else ()))
     if kind == "joint":
-        offers = (*(offer for offer in _BOTH if offer not in _OF_MATERIALS), "starts_bonded")
+        offers = (*(offer for offer in _BOTH if offer not in _OF_MATERIALS), "starts_bonded", "LASTING")
     if getattr(law, "VISCOUS", False):
         offers = (*offers, "viscous")
     missing = [offer for offer in offers if not hasattr(law, offer)]

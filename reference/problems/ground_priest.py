@@ -31,6 +31,7 @@ from geodem.builders.joint_cut import Cut
 from geodem.builders.joint_loads import press_joints
 from geodem.builders.joints import segment
 from geodem.builders.random_packing import random_packing
+from geodem.particle_joints import set_joint
 from geodem.particle_simulation import ParticleSimulation
 from geodem.particle_statics import find_equilibrium
 
@@ -122,10 +123,14 @@ def block(wet: bool, diameter: float) -> Block:
 def rests(scene: Block, factor: float) -> bool:
     """Whether the block finds equilibrium with the joint's strength divided by a factor."""
     s = ParticleSimulation(scene.assembly)
-    law = s.features.joint()
-    assert law is not None
-    for name in ("friction_coefficient", "residual_cohesion"):
-        s.joint_table[:, law.PARAMETERS._fields.index(name)] /= factor
+    cohesion = COHESION / factor
+    set_joint(
+        s,
+        "plane",
+        friction_coefficient=math.tan(FRICTION) / factor,
+        cohesion=cohesion,
+        residual_cohesion=cohesion,
+    )
     return find_equilibrium(s, tolerance=TOLERANCE, most_steps=MOST_STEPS).reached
 
 

@@ -23,6 +23,7 @@ SCALAR = ("dilated",)
 TANGENTIAL = ("shear",)
 AXIAL: tuple[str, ...] = ()
 MOMENT = False
+LASTING = False
 
 
 class SmoothJointParameters(NamedTuple):
