@@ -38,7 +38,7 @@ def sheared(dimension, *, cohesion=0.0, speed=0.5):
     size = SIZES[dimension]
     build, positions = rock(dimension, size)
     build.add_joint_material(
-        "joint", normal_stiffness=2e8, shear_stiffness=1e8, friction_coefficient=FRICTION, cohesion=cohesion,
+        "joint", normal_stiffness=2e9, shear_stiffness=1e9, friction_coefficient=FRICTION, cohesion=cohesion,
         tensile_strength=cohesion,
     )  # fmt: skip
     up = np.eye(dimension)[-1]
@@ -49,7 +49,7 @@ def sheared(dimension, *, cohesion=0.0, speed=0.5):
     still = {"x": 0.0, "y": 0.0, "rotation": 0.0, **({"z": 0.0} if dimension == 3 else {})}
     build.hold(lower, **still)
     build.hold(upper, rotation=0.0, x=speed, **({"y": 0.0} if dimension == 3 else {}))
-    pressure = 1e5 * math.prod(size[:-1])
+    pressure = 1e6 * math.prod(size[:-1])
     build.apply(upper, force=-pressure / len(upper) * up)
     return build, cut, upper, pressure
 
@@ -58,8 +58,9 @@ def sheared(dimension, *, cohesion=0.0, speed=0.5):
 def test_rough_packing_slides_as_on_a_plane(dimension):
     """Friction is mu N from the first slip on, and the upper half does not climb over the particles below."""
     build, _, upper, pressure = sheared(dimension)
-    s = ParticleSimulation(build.build(), local_damping=0.7)
-    steps = round(0.25 / s.time_step / 0.5)
+    # local damping drags what moves steadily
+    s = ParticleSimulation(build.build(), local_damping=0.2)
+    steps = round(0.2 / s.time_step / 0.5)
     s.run(steps)
     height = s.positions[upper, -1].mean()
     drawn, heights = [], []
@@ -68,10 +69,10 @@ def test_rough_packing_slides_as_on_a_plane(dimension):
         drawn.append(-float(s.forces[upper, 0].sum()))
         heights.append(float(s.positions[upper, -1].mean()))
     way = s.positions[upper, 0].mean() - s.assembly.positions[upper, 0].mean()
-    assert way > 1.5
-    assert np.mean(drawn) / pressure == pytest.approx(FRICTION, rel=0.02)
+    assert way > 1.2
+    assert np.mean(drawn) / pressure == pytest.approx(FRICTION, rel=0.03)
     # a triangular packing of this size would climb by more than a tenth of a diameter
-    assert np.abs(np.array(heights) - height).max() < 2e-3
+    assert np.abs(np.array(heights) - height).max() < 1e-2
 
 
 def test_areas_add_up_to_the_face():
@@ -100,10 +101,10 @@ def test_joint_that_ends_in_the_rock_cuts_only_there():
 
 def test_cohesion_holds_up_to_its_strength_and_is_recorded():
     """A quarter below c + sigma tan(phi) nothing breaks, above it the joint does, and friction is left."""
-    build, _, upper, pressure = sheared(2, cohesion=2e5, speed=0.02)
+    build, _, upper, pressure = sheared(2, cohesion=2e6, speed=0.1)
     s = ParticleSimulation(build.build(), local_damping=0.7)
     length = SIZES[2][0]
-    strength = 2e5 * length + FRICTION * pressure
+    strength = 2e6 * length + FRICTION * pressure
     most = 0.0
     for _ in range(200):
         s.run(50)
@@ -135,7 +136,7 @@ def test_same_bits_after_a_resume(tmp_path):
 
 
 def test_energy_account_closes():
-    build, *_ = sheared(2, cohesion=1e5, speed=0.5)
+    build, *_ = sheared(2, cohesion=1e6, speed=0.5)
     s = ParticleSimulation(build.build(), local_damping=0.3, energy=True)
     s.run(4000)
     account = s.energy()

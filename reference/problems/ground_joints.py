@@ -1,13 +1,23 @@
-"""Joints in bonded particles against closed forms: `python -m reference run ground-joints`."""
+"""Joints, bolts and initial stress in bonded particles: `python -m reference run ground-joints`."""
 
 from __future__ import annotations
 
+from . import ground_bolts, ground_initial_stress
 from .ground_jaeger import ANGLES, intact, jaeger
 from .ground_priest import priest
 from .rows import Row
 
+ACROSS = 30.0
+"""Particles across Jaeger's specimens."""
+
 
 def run() -> list[Row]:
-    """Jaeger's specimens at all angles, Priest's block dry and with water."""
-    rock = intact(20.0)
-    return [*(jaeger(angle, 20.0, rock) for angle in ANGLES), *priest(wet=False), *priest(wet=True)]
+    """Jaeger's specimens at all angles, Priest's block dry and with water, bolts, initial stress."""
+    rock = intact(ACROSS)
+    return [
+        *(jaeger(angle, ACROSS, rock) for angle in ANGLES),
+        *priest(wet=False),
+        *priest(wet=True),
+        *ground_bolts.run(),
+        *ground_initial_stress.run(),
+    ]
