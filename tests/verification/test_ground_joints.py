@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from reference.problems.ground_bolts import lining, pull_out
 from reference.problems.ground_jaeger import intact, jaeger
 from reference.problems.ground_priest import priest
 from tests.verification.rows import check
@@ -21,3 +22,13 @@ def test_specimen_with_a_joint(angle):
 def test_block_on_a_plane(wet):
     """Priest 1993: factor within 2 %."""
     check(*priest(wet=wet, width=0.02))
+
+
+def test_bolt_is_pulled_out():
+    """Farmer 1975: stiffness within 2 %, profile within 5 %; grout and bar hold their strength within 2 %."""
+    check(*pull_out())
+
+
+def test_lining_bends_as_a_beam():
+    """Deflection and extension within 2 %."""
+    check(*lining())
