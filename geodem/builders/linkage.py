@@ -102,9 +102,9 @@ class Linkage:
             raise InputError("link, shares", "they are not all positive", "Give more than 0.")
         self._links.append((pairs, along / size[:, None], share, material))
 
-    def joints(self, materials: list[str], particles: int) -> Joints | None:
+    def joints(self, materials: list[str]) -> Joints | None:
         """What an assembly keeps; `materials` are those of its particles."""
-        if self.cut is None and not self._links and not self.untouched:
+        if self.cut is None and not self._links:
             return None
         untouched = np.array([materials.index(name) for name in self.untouched], dtype=np.int32)
         return with_links(self.cut, self._links, self.materials, untouched, self.dimension)

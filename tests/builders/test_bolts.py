@@ -1,4 +1,4 @@
-"""Bolts and linings as they are built; their mechanics against closed forms: tests/verification/test_ground_joints.py."""
+"""Bolts and linings as they are built; what they bear: tests/verification/test_ground_joints.py."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ def ground(dimension, bond_law="rock"):
     build = AssemblyBuilder(dimension, "effective_modulus", bond_law)
     build.add_material("rock", density=2500.0, contact=CONTACT, bond=BOND if bond_law == "rock" else None)
     box = (4.0, 2.0) if dimension == 2 else (3.0, 1.2, 1.2)
-    build.add_particles(lattice("hexagonal" if dimension == 2 else "fcc", 0.1, box=box).positions, 0.1, "rock")
+    build.add_particles(
+        lattice("hexagonal" if dimension == 2 else "fcc", 0.1, box=box).positions, 0.1, "rock"
+    )
     if bond_law == "rock":
         build.bond_within(1.05)
     return build
@@ -35,14 +37,23 @@ def test_shares_add_up_to_the_length_and_the_mass_is_the_bars(dimension):
     first = build.particles
     head, end = (0.5, 1.0, 0.6)[:dimension], (2.5, 1.0, 0.6)[:dimension]
     bolt = add_bolt(
-        build, "bolt", head, end, Bar(1e8, density_per_length=12.0), Grout(1e8, 1e5), spacing=0.1, grouted=(0.5, 1.5)
+        build,
+        "bolt",
+        head,
+        end,
+        Bar(1e8, density_per_length=12.0),
+        Grout(1e8, 1e5),
+        spacing=0.1,
+        grouted=(0.5, 1.5),
     )
     made = build.build()
     assert made.joints is not None
     assert bolt.particles[0] == first
     assert len(bolt.pieces) == 20
     assert made.mass[bolt.particles].sum() == pytest.approx(12.0 * 0.1 * 21)
-    grout = np.isin(made.joints.pairs[:, 1], bolt.particles) & ~np.isin(made.joints.pairs[:, 0], bolt.particles)
+    grout = np.isin(made.joints.pairs[:, 1], bolt.particles) & ~np.isin(
+        made.joints.pairs[:, 0], bolt.particles
+    )
     assert made.joints.area[grout].sum() == pytest.approx(1.0)
     # overlaps of bolt and ground are no mistake, and the bolt's material touches nothing
     assert made.joints.untouched.tolist() == [1]
