@@ -57,9 +57,9 @@ def sliding_strength(angle: float) -> float:
 
 
 @cache
-def specimen(across: float, slenderness: float = 2.0) -> Specimen:
-    """Discs, random."""
-    return make_specimen(2, width=0.05, height=0.05 * slenderness, across=across, seed=1)
+def specimen(across: float, slenderness: float = 2.0, dimension: int = 2) -> Specimen:
+    """Discs or spheres, random."""
+    return make_specimen(dimension, width=0.05, height=0.05 * slenderness, across=across, seed=1)
 
 
 def cut_specimen(build: AssemblyBuilder, body: Specimen, angle: float) -> None:
@@ -69,8 +69,9 @@ def cut_specimen(build: AssemblyBuilder, body: Specimen, angle: float) -> None:
         "joint", normal_stiffness=STIFFNESS, shear_stiffness=0.5 * STIFFNESS,
         friction_coefficient=math.tan(FRICTION), cohesion=COHESION, residual_cohesion=COHESION,
     )  # fmt: skip
-    box = np.array([np.zeros(2), body.size])
-    build.cut([plane(0.5 * body.size, (math.sin(beta), math.cos(beta)), box, "joint")], bounds=box)
+    box = np.array([np.zeros(body.dimension), body.size])
+    across = (0.0,) * (body.dimension - 2)
+    build.cut([plane(0.5 * body.size, (math.sin(beta), *across, math.cos(beta)), box, "joint")], bounds=box)
 
 
 @cache
@@ -79,13 +80,13 @@ def intact(across: float) -> float:
     return compress(specimen(across), ROCK, confinement=CONFINEMENT, expected_strain=3.5e-3).strength
 
 
-def jaeger(angle: float, across: float, rock: float) -> Row:
+def jaeger(angle: float, across: float, rock: float, dimension: int = 2) -> Row:
     """The row of one angle [deg]; `rock` is the strength without a joint [Pa]."""
     begun = time.perf_counter()
     expected = sliding_strength(angle)
     if expected < rock:
         # both ends of the joint lie on the sides
-        body = specimen(across, max(2.0, math.tan(math.radians(angle)) + 0.5))
+        body = specimen(across, max(2.0, math.tan(math.radians(angle)) + 0.5), dimension)
         rig = Rig(body, ROCK, confinement=CONFINEMENT, prepare=lambda build: cut_specimen(build, body, angle))
         rig.solve()
         strain = expected / rig.modulus
@@ -97,12 +98,12 @@ def jaeger(angle: float, across: float, rock: float) -> Row:
             found.append(rig.axial_stress())
         strength = float(np.median(found[-len(found) // 3 :]))
     else:
-        body = specimen(across)
+        body = specimen(across, dimension=dimension)
         strength = compress(
             body, ROCK, confinement=CONFINEMENT, expected_strain=3.5e-3, share=0.05,
             prepare=lambda build: cut_specimen(build, body, angle),
         ).strength  # fmt: skip
     return relative(
-        "jaeger", f"sigma1 at {angle:g} deg [MPa], {across:g} across", 1e-6 * strength,
+        f"jaeger {dimension}D", f"sigma1 at {angle:g} deg [MPa], {across:g} across", 1e-6 * strength,
         1e-6 * min(expected, rock), 0.05, time.perf_counter() - begun, SOURCE if expected < rock else "without a joint",
     )  # fmt: skip

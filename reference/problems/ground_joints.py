@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from . import ground_bolts, ground_initial_stress
 from .ground_jaeger import ANGLES, intact, jaeger
 from .ground_priest import priest
@@ -9,6 +11,8 @@ from .rows import Row
 
 ACROSS = 30.0
 """Particles across Jaeger's specimens."""
+IN_SPACE = 12.0
+"""Of spheres."""
 
 
 def run() -> list[Row]:
@@ -16,6 +20,7 @@ def run() -> list[Row]:
     rock = intact(ACROSS)
     return [
         *(jaeger(angle, ACROSS, rock) for angle in ANGLES),
+        jaeger(50.0, IN_SPACE, math.inf, 3),
         *priest(wet=False),
         *priest(wet=True),
         *ground_bolts.run(),
