@@ -147,7 +147,7 @@ def add_bolt(
         raise InputError(f"bolt {name!r}", "there is no ground around it", "Add the ground first")
     count = max(1, round(length / spacing))
     piece = length / count
-    along = piece * np.arange(count + 1)
+    along = piece * np.arange(count + 1, dtype=np.float64)
     axis = (last - first) / length
     points = first + along[:, None] * axis
     radius = 0.5 * piece
@@ -197,7 +197,7 @@ def add_bolt(
             cross_stiffness=STIFF * per_piece,
         )  # fmt: skip
         builder.link(pressed, axis, 1.0 / len(face), f"{name} plate")
-    return Bolt(particles, along, pieces, joined, pressed)
+    return Bolt(particles, np.asarray(along), pieces, joined, pressed)
 
 
 def add_lining(
