@@ -6,7 +6,7 @@ nothing.
 
 Reference: bar and grout in series along the length, each elastic and ideally plastic, as in St. John & Van Dillen
 (1983), Rockbolts: a new numerical representation and its application in tunnel design, 24th U.S. Symposium on Rock
-Mechanics, 13-25; with an elongation at break.
+Mechanics; with an elongation at break.
 """
 
 from __future__ import annotations

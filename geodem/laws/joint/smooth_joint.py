@@ -5,7 +5,7 @@ stands for a share of that face. The normal is that of the joint, whatever the l
 lie in one another and pass each other. Until it breaks the face is bonded; then it opens freely and slides by Coulomb.
 
 Reference: Mas Ivars, Pierce, Darcel, Reyes-Montes, Potyondy, Young & Cundall (2011), The synthetic rock mass approach
-for jointed rock mass modelling, Int. J. Rock Mech. Min. Sci. 48:219-244, section 2.2. There the force follows step by
+for jointed rock mass modelling, Int. J. Rock Mech. Min. Sci. 48:219-244. There the force follows step by
 step; here the normal force follows from the whole closure, which is the same and cannot drift. There a broken joint
 has no cohesion; here some may be left, all of it where the joint is to be ideally plastic, as in a limit equilibrium.
 """
