@@ -101,7 +101,7 @@ def test_joint_that_ends_in_the_rock_cuts_only_there():
 
 def test_cohesion_is_that_of_the_face_and_its_break_is_recorded():
     """An ideally plastic joint slides at c + sigma tan(phi) over its whole length, whatever the packing."""
-    build, _, upper, pressure = sheared(2, cohesion=2e6)
+    build, _, upper, pressure = sheared(2, cohesion=3e5)
     s = ParticleSimulation(build.build(), local_damping=0.2)
     steps = round(0.02 / s.time_step / 0.5)
     s.run(5 * steps)
@@ -109,7 +109,8 @@ def test_cohesion_is_that_of_the_face_and_its_break_is_recorded():
     for _ in range(10):
         s.run(steps)
         drawn.append(-float(s.forces[upper, 0].sum()))
-    assert np.mean(drawn) == pytest.approx(2e6 * SIZES[2][0] + FRICTION * pressure, rel=0.03)
+    # with much more than the pressure the face would open behind, where what draws it lifts it
+    assert np.mean(drawn) == pytest.approx(3e5 * SIZES[2][0] + FRICTION * pressure, rel=0.03)
     found = s.broken_bonds()
     joined = {tuple(pair) for pair in s.assembly.joints.pairs.tolist()}
     assert {tuple(pair) for pair in s.assembly.bonds[found.bond].tolist()} <= joined

@@ -38,7 +38,10 @@ GAUGE = 0.6
 """Share of the body's size, in the middle, over which stress is measured."""
 
 LEVELS = 3
-"""Boxes one over the other in which a stress that grows with depth is measured."""
+"""Boxes one over the other in which a stress that grows with depth is measured; two where they would be thin."""
+
+THINNEST = 4.0
+"""Height of such a box over the mean diameter: thinner ones have a stress of their own."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,7 +181,8 @@ def set_initial_stress(
     steps = _Steps(s)
     low, high = _gauge(s)
     graded = bool(np.abs(wanted.per_depth).any())
-    boxes = _boxes(low, high, LEVELS if graded else 1)
+    thin = high[-1] - low[-1] < LEVELS * THINNEST * 2.0 * float(s.assembly.radii.mean())
+    boxes = _boxes(low, high, (2 if thin else LEVELS) if graded else 1)
     heights = np.array([0.5 * (box[0][-1] + box[1][-1]) for box in boxes])
     target = np.array([wanted.at(float(height)) for height in heights])
     scale = np.abs(target).max(axis=(1, 2))
