@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-PARTING = 1.1
+PARTING = 1.01
 """Distance at which two particles cease to act on each other through a joint over that at which they begin."""
 
 

@@ -14,8 +14,8 @@ cohesion, a specimen 20 particles wide slides some 10 % too early at 60 degrees.
 of it stays, as the formula has it.
 
 Where the joint slides at nearly the strength of the rock, here from 36 to 39 degrees, both fail together, and what is
-left after the peak is less than either: at 37.5 degrees 95 MPa, where joint and rock have 113 and 116. These angles are
-left out.
+left after the peak is less than either. These angles are left out. Near them rock breaks along the joint long before the
+joint slides, so the specimen is to be driven slowly: at a third of the pace 40 degrees came out 17 % too strong.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ COHESION = 10e6
 CONFINEMENT = 5e6
 STIFFNESS = 5e12
 """Of the joint: closes a hundredth of a particle [Pa/m]."""
-STEPS = 100.0
+STEPS = 340.0
 """To the strain of sliding, per particle of height."""
 SOURCE = "Jaeger 1960, Geol. Mag. 97:65"
 
