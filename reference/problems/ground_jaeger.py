@@ -14,8 +14,8 @@ cohesion, a specimen 20 particles wide slides some 10 % too early at 60 degrees.
 of it stays, as the formula has it.
 
 Where the joint slides at nearly the strength of the rock, here from 36 to 39 degrees, both fail together, and what is
-left after the peak is less than either. These angles are left out. Near them rock breaks along the joint long before the
-joint slides, so the specimen is to be driven slowly: at a third of the pace 40 degrees came out 17 % too strong.
+left after the peak is less than either. These angles are left out. Near them rock breaks along the joint long before
+the joint slides, so the specimen is to be driven slowly: at a third of the pace 40 degrees came out 17 % too strong.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ from reference.problems.ground_jaeger import intact, jaeger
 from reference.problems.ground_priest import priest
 from tests.verification.rows import check
 
-ACROSS = 16.0
+ACROSS = 20.0
 
 
 @pytest.mark.parametrize("angle", [0.0, 45.0, 60.0])
