@@ -83,9 +83,7 @@ def point(
     """A test on a rock; confined under the rock's pressure."""
     r = ROCKS[rock]
     pressure = r.pressure if kind == "confined" else 0.0
-    return Point(
-        rock, r.material, kind, across, seed, r.strains[kind], pressure, pace, time_share, grain=grain
-    )
+    return Point(rock, r.material, kind, across, seed, r.strains[kind], pressure, pace, time_share, grain=grain)
 
 
 def rates(rock: str) -> list[Point]:
@@ -131,9 +129,7 @@ def rate_rows(rock: str, answers: Mapping[Point, Answer]) -> list[Row]:
     for what, points in (("rate", slow), ("time step", fine)):
         ratio = paired(answers, points, normal)
         quantity = f"compressive strength at half the {what}, over that at the usual one"
-        rows.append(
-            _ratio(f"{rock}, {COARSE:g} across", quantity, ratio, 0.02, seconds(answers, points + normal))
-        )
+        rows.append(_ratio(f"{rock}, {COARSE:g} across", quantity, ratio, 0.02, seconds(answers, points + normal)))
     return rows
 
 
@@ -160,7 +156,9 @@ def sizes(rock: str, answers: Mapping[Point, Answer]) -> list[Size]:
     r = ROCKS[rock]
     found = []
     for across, seeds in r.seeds.items():
-        of = {kind: [point(rock, kind, across, seed + 1) for seed in range(seeds)] for kind in r.strains}
+        of = {
+            kind: [point(rock, kind, across, seed + 1) for seed in range(seeds)] for kind in r.strains
+        }
         frictions = [
             fit_envelope([0.0, r.pressure], [answers[a].strength, answers[b].strength]).friction_angle
             for a, b in zip(of["compression"], of["confined"], strict=True)
@@ -222,9 +220,7 @@ def draw(answers: Mapping[Point, Answer]) -> bytes:
             normal = asked[r.paces.index(PACE) * count :][:count]
             means = [paired(answers, asked[k * count :][:count], normal) for k in range(len(r.paces))]
             look = {"color": colour, "markersize": 3.5, "linewidth": 0.9, "capsize": 2.0}
-            top.errorbar(
-                r.paces, [m.value for m in means], [m.error for m in means], fmt="o-", label=rock, **look
-            )
+            top.errorbar(r.paces, [m.value for m in means], [m.error for m in means], fmt="o-", label=rock, **look)
             fine = paired(answers, asked[-count:], normal)
             top.errorbar([2.0 * PACE * 1.08], [fine.value], [fine.error], fmt="s", mfc="none", **look)
             found = sizes(rock, answers)

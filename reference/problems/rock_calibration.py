@@ -83,9 +83,7 @@ def rows_of(name: str, rock: dict[str, Any], dimension: int) -> list[Row]:
     for quantity, bound in BOUNDS.items():
         rows.append(_row(label, quantity, targets, outcomes, bound * (1 if dimension == 2 else 2), rock))
     for row in rows:
-        print(
-            f"   {row.quantity}: {row.value:.5g}, {row.expected:.5g} wanted, {'good' if row.good else 'MISS'}"
-        )
+        print(f"   {row.quantity}: {row.value:.5g}, {row.expected:.5g} wanted, {'good' if row.good else 'MISS'}")
     brittle = [o["peak_strain"] * o["young_modulus"] / o["uniaxial_compressive_strength"] for o in outcomes]
     print(f"   peak strain over UCS/E {sum(brittle) / len(brittle):.2f}, {found.texture}", flush=True)
     return rows

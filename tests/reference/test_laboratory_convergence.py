@@ -102,15 +102,7 @@ def test_laws_are_what_their_labels_say():
 
 def test_a_law_off_its_bounds_is_told():
     def figures(law: laws.Law, seed: int) -> laws.Figures:
-        ratio = (
-            4.4
-            if "beta 1" in law.label
-            else 26.0
-            if law is laws.GRANITE
-            else 4.9
-            if law is laws.SOFT
-            else 12.0
-        )
+        ratio = 4.4 if "beta 1" in law.label else 26.0 if law is laws.GRANITE else 4.9 if law is laws.SOFT else 12.0
         angle = math.radians(56.0 if law is laws.GRANITE else 24.0 if law is laws.SOFT else 40.0)
         return laws.Figures(
             25e9, 0.2, 5e6, ratio * 5e6, ratio + 0.01 * seed, angle, 20.0, 1.2, 0.4, 0.8, 0.2, 0.01, 1.0
