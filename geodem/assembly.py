@@ -120,6 +120,56 @@ class Cell:
 
 
 @dataclass(frozen=True)
+class Joints:
+    """Joints through an assembly: flat faces, the pairs of particles that they cross, and who lies on which side.
+
+    `geodem.builders.joint_cut` makes them.
+
+    Attributes
+    ----------
+    laws : tuple of str
+        Names in `geodem.laws.JOINT_LAWS`.
+    names : tuple of str
+        Materials of joints, and of bolts.
+    table : (k, 1 + q)
+        Which of the laws each has, and its parameters.
+    normal : (f, d)
+        Unit normal of every face, from its lower to its upper side.
+    material : (f,) int32
+        Row of `table`.
+    per_size : (f,)
+        Mean area of a pair over the square of its smaller radius (2D: over that radius) [-].
+    reach : float
+        Two particles nearer than this many times the sum of their radii act on each other through a joint [-].
+    pairs : (c, 2) int32
+        Pairs that are crossed at the start, lower number first.
+    face : (c,) int32
+        1 + face, negative where the first of the two is above it.
+    area : (c,) [m2] (2D: [m])
+        Of the face that each stands for.
+    side_particle, side_joint, side_face : (l,) int32
+        Particles near joints: joint, and 1 + the face that is nearest, negative below it.
+    untouched : (u,) int32
+        Materials of particles that touch nothing but by such links: bolts.
+    """
+
+    laws: tuple[str, ...]
+    names: tuple[str, ...]
+    table: Floats
+    normal: Floats
+    material: Integers
+    per_size: Floats
+    reach: float
+    pairs: Integers
+    face: Integers
+    area: Floats
+    side_particle: Integers
+    side_joint: Integers
+    side_face: Integers
+    untouched: Integers
+
+
+@dataclass(frozen=True)
 class Assembly:
     """Discs (2D, per metre of length) or spheres (3D).
 
@@ -156,6 +206,8 @@ class Assembly:
     walls : tuple of Wall
     cell : Cell or None
         Positions may lie anywhere: every particle stands for all its images.
+    joints : Joints or None
+        Bonds between their pairs are those of the joint.
     """
 
     dimension: int
@@ -179,6 +231,7 @@ class Assembly:
     anchors: Anchors | None = None
     walls: tuple[Wall, ...] = field(default=())
     cell: Cell | None = None
+    joints: Joints | None = None
 
     @property
     def particles(self) -> int:

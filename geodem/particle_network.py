@@ -24,6 +24,7 @@ from .integrators.network import (
 )
 from .kernels.link_products import link_product
 from .laws.protocol import argument_names
+from .particle_joints import joint_values, law_values, open_joints
 
 if TYPE_CHECKING:
     from .particle_cell import ParticleCell
@@ -144,7 +145,7 @@ def contact_modulus(s: ParticleSimulation) -> float:
 def _pair_links(s: ParticleSimulation, *, listed: bool = True, least: float = 0.0) -> Links:
     p, columns = s.pairs, s.columns
     chosen: slice | NDArray[np.intp] = (
-        slice(None) if listed else np.flatnonzero((p.bond > 0) | (p.touching > 0))
+        slice(None) if listed else np.flatnonzero((p.bond > 0) | (p.touching > 0) & ~open_joints(s))
     )
     first, second = p.a[chosen].astype(np.int64), p.b[chosen].astype(np.int64)
     bonded = p.bond[chosen] > 0
@@ -187,11 +188,38 @@ def _pair_links(s: ParticleSimulation, *, listed: bool = True, least: float = 0.
         stiffness[:, 1] = 0.0
     if bond is not None and bonded.any():
         stiffness[bonded] += stiffness_of(bond, s.bond_table, bonded, np.zeros(len(first)))
+    apart /= distance[:, None]
+    if s.layout.place is not None:
+        across = _along_joints(s, np.arange(len(p.a))[chosen], distance, apart, stiffness)
+        # a joint's force acts half-way
+        radius_a, radius_b = np.where(across, 0.0, radius_a), np.where(across, 0.0, radius_b)
     half = 0.5 * (distance + radius_a - radius_b)
     arms = np.stack([half, distance - half], axis=1)
     del overlap, pressed, half
-    apart /= distance[:, None]
     return links(first, second, apart, arms, *stiffness.T)
+
+
+def _along_joints(
+    s: ParticleSimulation, listed: NDArray[np.intp], distance: Floats, normal: Floats, stiffness: Floats
+) -> NDArray[np.bool_]:
+    """Put what joints make of their pairs in place: distance and normal are theirs, and so is the stiffness.
+
+    Returns which pairs lie across joints.
+    """
+    kind = s.pairs.history[listed, s.layout.place]
+    across = np.flatnonzero(kind != 0.0)
+    known = joint_values(s, listed[across])
+    distance[across], normal[across] = known["distance"], known["normal"]
+    stiffness[across] = 0.0
+    acts = kind[across] > 0.0
+    for number, law in enumerate(s.features.joints()):
+        own = np.flatnonzero(acts & (known["law"] == number))
+        parameters, _ = law_values(s, law, listed[across[own]])
+        given = dict(zip(law.PARAMETERS._fields, parameters.T, strict=True)) | {"area": known["area"][own]}
+        values = law.stiffness(**{name: given[name] for name in argument_names(law.stiffness)})
+        for k, value in enumerate(values):
+            stiffness[across[own], k] = value
+    return kind != 0.0
 
 
 def _asks_for_masses(law: ModuleType) -> bool:

@@ -18,6 +18,7 @@ from .measure.contact_forces import law_forces
 from .measure.particle_energy import HalfStep, ParticleEnergy, half_step_ahead
 from .neighbors import Halo, PairList
 from .particle_cell import ParticleCell
+from .particle_joints import joint_forces, joint_pairs
 from .particle_layout import Columns, RowArrays
 
 Floats = NDArray[np.float64]
@@ -89,6 +90,8 @@ class ParticleReading(ParticleCell):
     walls : WallTable
     table, bond_table : (m * m, k)
         Parameters of contacts and bonds by pair of materials.
+    joint_table : (k, q)
+        Those of joints by their material.
     bond_scale : (b,) [-]
     record : (b, 3 + d)
         Of every bond: mode of its break (0: intact), step, energy, place.
@@ -120,6 +123,7 @@ class ParticleReading(ParticleCell):
     walls: WallTable
     table: Floats
     bond_table: Floats
+    joint_table: Floats
     bond_scale: Floats
     record: Floats
     utilisation: Floats
@@ -268,7 +272,9 @@ class ParticleReading(ParticleCell):
         contact, bond = self.features.laws()
         found = np.zeros((len(which), 4))
         bonded = p.bond[which] > 0
-        pressed = (p.touching[which] > 0) & ((overlap > 0.0) | hasattr(contact, "reach"))
+        crossing = np.isin(which, joint_pairs(self))
+        bonded &= ~crossing
+        pressed = ~crossing & (p.touching[which] > 0) & ((overlap > 0.0) | hasattr(contact, "reach"))
         if bond is not None:
             if bond.REPLACES_CONTACT:
                 pressed &= ~bonded
@@ -281,9 +287,16 @@ class ParticleReading(ParticleCell):
         chosen = {name: value[pressed] for name, value in own.items()}
         found[pressed] += law_forces(contact, self.dimension, self.table[row[pressed]], chosen)
         if self.dimension == 3:
-            return found[:, 0], found[:, 1:]
-        across = np.stack([-along[:, 1], along[:, 0]], axis=1)
-        return found[:, 0], found[:, 1:2] * across
+            normal, shear = found[:, 0], found[:, 1:]
+        else:
+            normal = found[:, 0]
+            shear = found[:, 1:2] * np.stack([-along[:, 1], along[:, 0]], axis=1)
+        if crossing.any():
+            # along the line of centres and across it, like the others
+            force = joint_forces(self, which[crossing])
+            normal[crossing] = -(force * along[crossing]).sum(axis=1)
+            shear[crossing] = force + normal[crossing, None] * along[crossing]
+        return normal, shear
 
     def intact(self) -> NDArray[np.bool_]:
         """Which bonds (b,) are intact."""

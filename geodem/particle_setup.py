@@ -74,7 +74,16 @@ def choose_buffer(assembly: Assembly, given: float | None) -> float:
     buffer = BUFFER_SHARE * float(assembly.radii.mean()) if given is None else float(given)
     if not (math.isfinite(buffer) and buffer > 0.0):
         raise InputError("buffer", "this is no distance", "Give more than 0 m, or leave it out", value=given)
+    if assembly.joints is not None:
+        # what a joint crosses is listed although it does not touch
+        reach = 2.0 * float(assembly.radii.max()) * (assembly.joints.reach - 1.0) * (1.0 + 1e-9)
+        buffer = max(buffer, reach)
     return buffer
+
+
+def joint_table(assembly: Assembly) -> Floats:
+    """Parameters of the materials of joints (k, q)."""
+    return np.zeros((1, 1)) if assembly.joints is None else finite(assembly.joints.table)
 
 
 def start_cell(assembly: Assembly, buffer: float, sleep: object) -> PeriodicCell | None:
@@ -153,6 +162,7 @@ def scene_features(
         periodic=a.cell is not None,
         blocked=d == 3 and s.parallel and not energy,
         convention=convention,
+        joint_laws=() if a.joints is None else a.joints.laws,
     )
 
 

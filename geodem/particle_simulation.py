@@ -24,6 +24,7 @@ from .io.particle_checkpoint import read_particles, write_particles
 from .kernels.particle_kernel import Features, compile_particle_kernel
 from .laws.convention import CONVENTIONS
 from .neighbors import find_halo, max_displacement, rebuild, spatial_order, wrapped
+from .particle_joints import bond_table, mark_joints
 from .particle_layout import (
     NOTHING_AROUND,
     Columns,
@@ -44,6 +45,7 @@ from .particle_setup import (
     choose_time_step,
     first_pairs,
     hand_over,
+    joint_table,
     parameter_tables,
     refuse_convention,
     refuse_damping,
@@ -135,6 +137,7 @@ class ParticleSimulation(ParticleReading):
         self.cell = start_cell(assembly, self.buffer, sleep)
         tables = parameter_tables(assembly, stiffness_damping)
         self.table, self.bond_table, self.wall_parameters = tables
+        self.joint_table = joint_table(assembly)
         orientation = self.dimension == 2 if orientation is None else orientation
         self.features = scene_features(
             self, energy=energy, orientation=orientation, applied=applied, convention=convention
@@ -229,6 +232,7 @@ class ParticleSimulation(ParticleReading):
                 old=self.wall_pairs, old_row_of_new=self._old_row_of_new,
             )  # fmt: skip
         self._old_row_of_new = None
+        mark_joints(self)
         self.listed()
         self.reference = self.now[:, self.columns.position].copy()
         if self.cell is not None:
@@ -466,7 +470,7 @@ class ParticleSimulation(ParticleReading):
         return (
             steps, self.rows, self.phase, self.chunk, p.start, p.a, p.b,
             h.local_a, h.local_b, p.bond, p.touching, p.history, h.start, h.into, h.source, h.target, h.lowest,
-            self.table, self.bond_table, self.bond_scale, inverse_mass, inverse_inertia, self.assembly.gravity,
+            self.table, bond_table(self), self.bond_scale, inverse_mass, inverse_inertia, self.assembly.gravity,
             rows.applied, rows.held, rows.anchor_of, self.anchors, self.angle,
             w.start, w.particle, w.primitive, w.touching, w.history, w.normal, w.geometry, w.feature,
             t.shape, t.kind, t.body, t.vertex, t.bodies, self.wall_parameters, self.wall_sums,

@@ -39,6 +39,7 @@ ARRAYS = {
     "quiet": (np.int64, "c"),
     "table": (np.float64, "? ?"),
     "bond_table": (np.float64, "? ?"),
+    "joint_table": (np.float64, "? ?"),
     "wall_parameters": (np.float64, "? ?"),
 }
 """Arrays of the simulation: kind, and shape in n particles, w columns of a row, f freedoms, b bonds (at least 1),
@@ -69,7 +70,7 @@ def state_tree(s: ParticleSimulation) -> Tree:
         **({} if s.cell is None else {"cell": s.cell.state}),
         "plain": {
             "numbers": {name: _plain(getattr(s, name)) for name in NUMBERS},
-            "features": asdict(s.features),
+            "features": {**asdict(s.features), "joint_laws": list(s.features.joint_laws)},
             "sleep": None if s.sleep is None else [float(s.sleep.speed), int(s.sleep.steps)],
             "stages": [[int(step), float(time), float(length)] for step, time, length in s.stages],
             "far": int(s.pairs.far),
@@ -100,7 +101,8 @@ def _fill(s: ParticleSimulation, assembly: Assembly, tree: Mapping[str, Any]) ->
     s.assembly = assembly
     s.dimension = assembly.dimension
     s.columns = Columns(assembly.dimension)
-    s.features = Features(**plain["features"])
+    features = plain["features"]
+    s.features = Features(**{**features, "joint_laws": tuple(features["joint_laws"])})
     s.layout = s.features.layout()
     s.sleep = None if plain["sleep"] is None else Sleep(*plain["sleep"])
     s.stages = [(step, time, length) for step, time, length in plain["stages"]]

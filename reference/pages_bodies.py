@@ -34,6 +34,12 @@ GROUPS = (
         "and 30 MPa from above and below (P14), on the nodes of a graded mesh and with particles filled into its "
         "outline. A volume filled with 200,000 spheres.\n\n![Stresses around the hole](pictures/mesh_hole.png)",
     ),
+    Group(
+        "ground-joints",
+        "Joints, bolts, initial stress",
+        "Specimens with one joint against Jaeger's closed form (1960), Priest's block on a smooth joint, dry and with water, "
+        "a grouted bar pulled out, a lining bent and stretched, and the stress of bonded ground before anything is built.",
+    ),
 )
 
 

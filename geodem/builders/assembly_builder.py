@@ -19,6 +19,8 @@ from geodem.builders.bond_scatter import LognormalScatter, NormalScatter
 from geodem.builders.cell_checks import cell_errors, make_cell
 from geodem.builders.close_pairs import close_pairs
 from geodem.builders.interactions import Materials, find_law, pair_of
+from geodem.builders.joint_methods import JointMethods
+from geodem.builders.linkage import Linkage
 from geodem.builders.memory import refuse_too_large
 from geodem.errors import InputError
 from geodem.laws import BOND_LAWS, CONTACT_LAWS
@@ -30,7 +32,7 @@ Pairs = NDArray[np.int64]
 AXES = "xyz"
 
 
-class AssemblyBuilder:
+class AssemblyBuilder(JointMethods):
     """Collects discs (2D, per metre of length) or spheres (3D) and what acts on them.
 
     Parameters
@@ -63,6 +65,7 @@ class AssemblyBuilder:
         self._rotations = 1 if dimension == 2 else 3
         self._law = find_law("contact", contact_law, CONTACT_LAWS, dimension)
         self._bond_law = None if bond_law is None else find_law("bond", bond_law, BOND_LAWS, dimension)
+        self._linkage = Linkage(dimension)
         self._materials = Materials(self._law, self._bond_law)
         self._gravity = as_numbers("gravity", 0.0 if gravity is None else gravity, (dimension,), "m/s2")
         if not np.isfinite(self._gravity).all() or (gravity is not None and np.ndim(gravity) != 1):
@@ -88,6 +91,11 @@ class AssemblyBuilder:
     def particles(self) -> int:
         """Number of particles so far."""
         return len(self._radii)
+
+    @property
+    def bond_law(self) -> str | None:
+        """Name of the bond law."""
+        return None if self._bond_law is None else str(self._bond_law.NAME)
 
     def set_cell(self, vectors: ArrayLike, *, periodic: bool | Sequence[bool] = True) -> None:
         """Make everything periodic; to be called before particles are bonded.
@@ -424,9 +432,14 @@ class AssemblyBuilder:
         volume = np.pi * self._radii**2 if d == 2 else 4.0 / 3.0 * np.pi * self._radii**3
         mass = self._density * volume
         replaces = self._bond_law is not None and self._bond_law.REPLACES_CONTACT
-        errors = checks.deep_overlaps(
-            self._positions, self._radii, self._bonds if replaces else self._bonds[:0], self._cell
-        )
+        joints = self._linkage.joints(names)
+        excepted = np.concatenate([self._bonds if replaces else self._bonds[:0], self._linkage.crossed()])
+        solid = np.ones(self.particles, dtype=bool)
+        if joints is not None:
+            solid = ~np.isin(self._material, joints.untouched)
+        numbered = np.cumsum(solid) - 1
+        inner = excepted[solid[excepted].all(axis=1)]
+        errors = checks.deep_overlaps(self._positions[solid], self._radii[solid], numbered[inner], self._cell)
         if self._cell is not None:
             errors += cell_errors(self._cell, self._radii, self._walls, anchored=bool(self._anchors))
         walls = []
@@ -460,6 +473,7 @@ class AssemblyBuilder:
             anchors=self._springs(),
             walls=tuple(walls),
             cell=self._cell,
+            joints=joints,
         )
         if replaces and self._bond_law is not None and len(self._bonds):
             raise_all(checks.energy_of_breaking(self._law, self._bond_law, assembly))

@@ -225,7 +225,12 @@ def energy_of_breaking(contact_law: ModuleType, bond_law: ModuleType, assembly: 
     length = distances(assembly.positions, assembly.bonds.astype(np.int64), assembly.cell)
     size = assembly.radii[assembly.bonds]
     errors, seen = [], set()
-    for key in np.unique(keys):
+    if assembly.joints is not None:
+        # a bonded face hands nothing over
+        joined = pair_keys(assembly.bonds.astype(np.int64), assembly.particles)
+        crossed = pair_keys(assembly.joints.pairs.astype(np.int64), assembly.particles)
+        keys = np.where(np.isin(joined, crossed), -1, keys)
+    for key in np.unique(keys[keys >= 0]):
         first, second = divmod(int(key), count)
         if (max(first, second), min(first, second)) in seen:
             continue

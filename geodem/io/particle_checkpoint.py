@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from ..assembly import Anchors, Assembly, Cell, Servo, Wall
+from ..assembly import Anchors, Assembly, Cell, Joints, Servo, Wall
 from ..errors import InputError
-from ..laws import BOND_LAWS, CONTACT_LAWS
+from ..laws import BOND_LAWS, CONTACT_LAWS, JOINT_LAWS
 from ..provenance import sources_digest, versions
 from .checkpoint import PARTICLES, Tree, read_checkpoint, write_checkpoint
 
@@ -93,6 +93,11 @@ def assembly_tree(assembly: Assembly) -> Tree:
             "vectors": assembly.cell.vectors,
             "plain": {"periodic": [bool(each) for each in assembly.cell.periodic]},
         }
+    if assembly.joints is not None:
+        joints = {field.name: getattr(assembly.joints, field.name) for field in fields(Joints)}
+        plain = {"laws": list(joints.pop("laws")), "names": list(joints.pop("names"))}
+        plain["reach"] = [float(joints.pop("reach"))]
+        tree["joints"] = {**joints, "plain": plain}
     tree["walls"] = {str(number): _wall_tree(wall) for number, wall in enumerate(assembly.walls)}
     return tree
 
@@ -121,7 +126,18 @@ def assembly_from(tree: Mapping[str, Any], place: str) -> Assembly:
         cell=Cell(tree["cell"]["vectors"], tuple(tree["cell"]["plain"]["periodic"]))
         if "cell" in tree
         else None,
+        joints=_joints_from(tree["joints"], place) if "joints" in tree else None,
     )
+
+
+def _joints_from(tree: Mapping[str, Any], place: str) -> Joints:
+    plain = tree["plain"]
+    for law in plain["laws"]:
+        if law not in JOINT_LAWS:
+            problem = f"its joint law {law!r} is not known here"
+            raise InputError(place, problem, "Register the law as you did before, then resume")
+    arrays = {name: value for name, value in tree.items() if isinstance(value, np.ndarray)}
+    return Joints(tuple(plain["laws"]), tuple(plain["names"]), reach=plain["reach"][0], **arrays)
 
 
 def _wall_tree(wall: Wall) -> Tree:

@@ -37,6 +37,10 @@ class HistoryLayout(NamedTuple):
     stored : int or None
         First column of the energy account; None where there is none.
     width : int
+    joint : int
+        How many numbers laws of joints remember, in the columns before `width`.
+    place : int or None
+        First column of what is kept of a joint, see `geodem.kernels.joints`; None where a scene has none.
     """
 
     contact: tuple[str, ...]
@@ -44,10 +48,18 @@ class HistoryLayout(NamedTuple):
     offset: int | None
     stored: int | None
     width: int
+    joint: int = 0
+    place: int | None = None
 
 
 def history_layout(
-    contact: ModuleType, bond: ModuleType | None, *, dimension: int, energy: bool, shear: bool = True
+    contact: ModuleType,
+    bond: ModuleType | None,
+    *,
+    dimension: int,
+    energy: bool,
+    shear: bool = True,
+    joints: Sequence[ModuleType] = (),
 ) -> HistoryLayout:
     """Columns of the history of a scene's pairs; without `shear` the contact law stores no tangential history."""
     contact_names = history_names(contact, dimension)
@@ -61,7 +73,16 @@ def history_layout(
         offset, width = width, width + 1
     if energy:
         stored, width = width, width + (14 if dimension == 3 else 7)
-    return HistoryLayout(contact_names, bond_names, offset, stored, max(width, 1))
+    if not joints:
+        return HistoryLayout(contact_names, bond_names, offset, stored, max(width, 1))
+    kept = max(len(history_names(law, dimension)) for law in joints)
+    place, width = width, width + joint_columns(dimension) + kept
+    return HistoryLayout(contact_names, bond_names, offset, stored, width, kept, place)
+
+
+def joint_columns(dimension: int) -> int:
+    """Columns of a joint before what its law remembers."""
+    return dimension + 3
 
 
 def law_text(law: ModuleType, functions: Sequence[str], prefix: str) -> list[str]:
@@ -278,6 +299,46 @@ def bond_adapters(
     adapters += _lane("bond", history, len(layout.contact))
     adapters.append(_transport("bond", law, history, dimension))
     return law_text(law, wanted, "bond_law"), adapters
+
+
+def joint_adapters(
+    laws: Sequence[ModuleType], *, dimension: int, layout: HistoryLayout
+) -> tuple[list[str], list[str]]:
+    """Texts of the functions of laws of joints and of the adapters between them and the loops.
+
+    The first of a pair's parameters is the number of its law.
+    """
+    assert layout.place is not None
+    menu = ("overlap", "slip_x", "slip_y", "slip_z", "area", "intact", "scale")
+    width = 1 + max(len(law.PARAMETERS._fields) for law in laws)
+    columns = [f"remembered_{k}" for k in range(layout.joint)]
+    row = _tuple([f"table[row, {k}]" for k in range(width)])
+    adapters = [_function("joint_parameters", ["table", "row"], [f"return {row}"])]
+    texts: list[str] = []
+    for number, law in enumerate(laws):
+        prefix, fields = f"joint_law_{number}", ("", *law.PARAMETERS._fields)
+        history = history_names(law, dimension)
+        texts += law_text(law, ["force", "energy"], prefix)
+        returned = [f"new_{name}" for name in history_arguments(law)]
+        targets = ["normal", "x", "y", "z", *returned, "tension", "cut"]
+        kept = [f"new_{name}" for name in history] + ["0.0"] * (layout.joint - len(history))
+        call = _call(law, "force", prefix, fields, history, menu)
+        lines = [f"{', '.join(targets)} = {call}", f"return normal, x, y, z, {_tuple(kept)}, tension, cut"]
+        adapters.append(_function(f"joint_{number}", ["parameters", *menu, "history"], lines))
+        energy = _call(law, "energy", prefix, fields, history, ("overlap", "area", "intact"))
+        arguments = ["parameters", "overlap", "area", "intact", "history"]
+        adapters.append(_function(f"joint_energy_{number}", arguments, [f"return {energy}"]))
+    for name, arguments in (
+        ("joint", ["parameters", *menu, "history"]),
+        ("joint_energy", ["parameters", "overlap", "area", "intact", "history"]),
+    ):
+        given = ", ".join(arguments)
+        lines = []
+        for number in range(len(laws) - 1):
+            lines += [f"if parameters[0] == {number}.0:", f"    return {name}_{number}({given})"]
+        adapters.append(_function(name, arguments, [*lines, f"return {name}_{len(laws) - 1}({given})"]))
+    adapters += _store("joint", columns, layout.place + joint_columns(dimension))
+    return texts, adapters
 
 
 def convention_texts(convention: ModuleType) -> list[str]:

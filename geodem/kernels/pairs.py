@@ -35,6 +35,8 @@ MOMENT = True
 ENERGY = True
 RELAX = True
 PERIODIC = True
+JOINTS = True  # pairs across joints, see geodem.kernels.joints
+JOINT = 0
 SCALED = True  # some bond is stronger or weaker than its material
 FREEDOMS = 6  # (3)
 VISCOUS_CONTACT = True
@@ -92,6 +94,7 @@ fetch: Any = None  # see geodem.kernels.fours
 cell_matrix: Any = None  # see geodem.kernels.cell
 image_shift: Any = None
 affine: Any = None
+joint_pair: Any = None  # see geodem.kernels.joints
 
 
 def fetch_ahead(rows, pair_a, pair_b, p):
@@ -225,6 +228,16 @@ def range_of_pairs(
         if BONDS:
             zero += history[p, OFFSET]
             number = int(pair_bond[p])
+        if JOINTS and history[p, JOINT] != 0.0:
+            if history[p, JOINT] > 0.0:
+                carries, pressing = joint_pair(
+                    p, number, a, b, FREEDOMS * int(local_a[p]), FREEDOMS * int(local_b[p]), dx, dy, dz, rows,
+                    pair_bond, history, bond_table, bond_scale, time_step, step, breaking, loads, energy, utilisation,
+                    record,
+                )  # fmt: skip
+                contacts += carries
+                thrust += pressing
+            continue
         row = 0 if ONE_MATERIAL else int(rows[a + MATERIAL]) * MATERIALS + int(rows[b + MATERIAL])
         touched = touching[p] != 0
         touch = square < zero * zero

@@ -8,17 +8,18 @@ from types import ModuleType
 from typing import Any
 
 from .._jit import compile_kernel, function_source
-from ..laws import BOND_LAWS, CONTACT_LAWS
+from ..laws import BOND_LAWS, CONTACT_LAWS, JOINT_LAWS
 from ..laws.convention import CONVENTIONS
 from ..laws.protocol import IN_SPACE, argument_names
 from ..laws.protocol import constants as law_constants
-from . import blocks, cell, fours, motion, pairs, sleep, steps, wall_geometry, wall_motion, walls
+from . import blocks, cell, fours, joints, motion, pairs, sleep, steps, wall_geometry, wall_motion, walls
 from .adapters import (
     HistoryLayout,
     bond_adapters,
     contact_adapters,
     convention_texts,
     history_layout,
+    joint_adapters,
     module_constants,
     no_bond_adapters,
     wall_adapters,
@@ -62,6 +63,8 @@ class Features:
         Vectorised loop over blocks of pairs that touch (3D).
     convention : str
         Name in `geodem.laws.convention.CONVENTIONS`.
+    joint_laws : tuple of str
+        Laws of pairs across joints and along bolts; empty where there are none.
     """
 
     dimension: int
@@ -89,11 +92,23 @@ class Features:
     periodic: bool = False
     blocked: bool = False
     convention: str = "geodem"
+    joint_laws: tuple[str, ...] = ()
 
     def layout(self) -> HistoryLayout:
         """Columns of the history of pairs."""
         contact, bond = self.laws()
-        return history_layout(contact, bond, dimension=self.dimension, energy=self.energy, shear=self.shear)
+        return history_layout(
+            contact,
+            bond,
+            dimension=self.dimension,
+            energy=self.energy,
+            shear=self.shear,
+            joints=self.joints(),
+        )
+
+    def joints(self) -> tuple[ModuleType, ...]:
+        """Modules of the laws of joints."""
+        return tuple(JOINT_LAWS[name] for name in self.joint_laws)
 
     def laws(self) -> tuple[ModuleType, ModuleType | None]:
         """Modules of the laws."""
@@ -103,6 +118,9 @@ class Features:
         """Whether pairs are computed in blocks; without shear some fours of a block would not be read whole."""
         layout = self.layout()
         if not self.blocked or self.dimension != 3 or self.energy or "shear_x" not in layout.contact:
+            return False
+        # joints are met pair by pair
+        if self.joint_laws:
             return False
         contact, bond = self.laws()
         laws = [law for law in (contact, bond) if law is not None]
@@ -140,11 +158,19 @@ def compile_particle_kernel(features: Features, *, parallel: bool) -> ModuleType
         )
         law_functions += bond_functions
         adapters += more
+    if not features.joint_laws:
+        adapters += ["joint_pair = None"]
+    else:
+        joint_functions, more = joint_adapters(features.joints(), dimension=features.dimension, layout=layout)
+        law_functions += joint_functions
+        adapters += more
     adapters = [*convention_texts(CONVENTIONS[features.convention]), *adapters]
     adapters += [*fours.texts(), function_source(pairs.fetch_ahead)]
     loops: list[Callable[..., Any]] = []
     if not blocked:
-        loops += [pairs.account, pairs.range_of_pairs, pairs.pairs]
+        loops += [pairs.account]
+        loops += joints.FUNCTIONS if features.joint_laws else ()
+        loops += [pairs.range_of_pairs, pairs.pairs]
     if features.walls:
         law_texts, more = wall_adapters(
             contact, dimension=features.dimension, layout=layout, viscous=features.contact_viscous
@@ -207,7 +233,7 @@ def _constants(features: Features, contact: ModuleType, bond: ModuleType | None)
     return {
         **law_constants(contact, features.dimension),
         **({} if bond is None else law_constants(bond, features.dimension)),
-        **module_constants(pairs, motion, sleep, steps, wall_geometry, blocks, cell),
+        **module_constants(pairs, motion, sleep, steps, wall_geometry, blocks, cell, joints),
         "SPHERES": space,
         "SPACE": space,
         "BONDS": bond is not None,
@@ -246,4 +272,7 @@ def _constants(features: Features, contact: ModuleType, bond: ModuleType | None)
         "RELAX": features.relax,
         "SLEEP": features.sleep,
         "PERIODIC": features.periodic,
+        "JOINTS": bool(features.joint_laws),
+        "JOINT": layout.place or 0,
+        "JOINT_ROWS": features.materials**2,
     }

@@ -13,7 +13,7 @@ from . import pace as paces
 from .failure_plane import failure_numbers
 from .material import BondedMaterial
 from .record import Floats, TestRecord
-from .rig import STEP, Motion, Rig, Watch, seen_cracks
+from .rig import FIRST_SHARE, STEP, Motion, Prepare, Rig, Watch, seen_cracks
 from .specimen import Specimen
 
 FALL = 0.7
@@ -40,6 +40,8 @@ def compress(
     fall: float = FALL,
     seed: int | None = None,
     watch: Watch | None = None,
+    share: float = FIRST_SHARE,
+    prepare: Prepare | None = None,
 ) -> TestRecord:
     """Compress along the axis under a constant pressure on the sides, past the peak.
 
@@ -60,6 +62,10 @@ def compress(
         Share of the peak (less the confinement) at which the test ends.
     seed : int, optional
         Of the scatter of bond strengths; the specimen's where it is left out.
+    share : float
+        Of the load of the first break, at which the motion begins; less where something slides before.
+    prepare : callable, optional
+        See `Rig`: joints are cut by it.
 
     Returns
     -------
@@ -77,7 +83,19 @@ def compress(
         raise InputError("confinement", "this is no pressure", "Give Pa, 0 or more", value=confinement)
     kind = "triaxial-compression" if confinement else "uniaxial-compression"
     return _along(
-        kind, specimen, material, 1.0, confinement, expected_strain, pace, time_share, fall, seed, watch
+        kind,
+        specimen,
+        material,
+        1.0,
+        confinement,
+        expected_strain,
+        pace,
+        time_share,
+        fall,
+        seed,
+        watch,
+        share,
+        prepare,
     )
 
 
@@ -94,8 +112,9 @@ def pull(
 ) -> TestRecord:
     """Pull along the axis until it breaks; parameters and errors as of `compress`, `strength` is positive [Pa]."""
     return _along(
-        "direct-tension", specimen, material, -1.0, 0.0, expected_strain, pace, time_share, fall, seed, watch
-    )
+        "direct-tension", specimen, material, -1.0, 0.0, expected_strain, pace, time_share, fall, seed, watch,
+        FIRST_SHARE, None,
+    )  # fmt: skip
 
 
 def _along(
@@ -110,6 +129,8 @@ def _along(
     fall: float,
     seed: int | None,
     watch: Watch | None,
+    share: float,
+    prepare: Prepare | None,
 ) -> TestRecord:
     begun = time.perf_counter()
     if specimen.shape == "disc":
@@ -122,22 +143,24 @@ def _along(
     own = seed if seed is not None else (specimen.seed or 1)
 
     def mounted() -> Rig:
-        return Rig(specimen, material, confinement=confinement, time_share=time_share, seed=own)
+        return Rig(
+            specimen, material, confinement=confinement, time_share=time_share, seed=own, prepare=prepare
+        )
 
     steps = 0
     fastest: tuple[Rig, Motion] | None = None
     if not paces.sound(expected):
-        rig, motion, failed = _pilot(mounted, sign, confinement, high, fall)
+        rig, motion, failed = _pilot(mounted, sign, confinement, high, fall, share)
         steps += rig.simulation.steps
         curves = motion.curves()
-        share = paces.PILOT_SHARE["tension" if sign < 0.0 else "compression"]
-        expected = share * float(curves["axial_strain"][np.argmax(curves["axial_stress"])])
+        reached = paces.PILOT_SHARE["tension" if sign < 0.0 else "compression"]
+        expected = reached * float(curves["axial_strain"][np.argmax(curves["axial_stress"])])
         fastest = None if failed else (rig, motion)
     assert expected is not None
     if fastest is None:
         rig = mounted()
         rate = paces.rate_of(expected, high, pace)
-        rig.begin(sign * rate)
+        rig.begin(sign * rate, share=share)
         motion = Motion(rig, sign)
         failed, reason = motion.until_failure(
             every=paces.looks_every(expected, rate), fall=fall, longest=paces.longest(expected),
@@ -188,11 +211,11 @@ def _along(
 
 
 def _pilot(
-    mounted: Callable[[], Rig], sign: float, confinement: float, high: float, fall: float
+    mounted: Callable[[], Rig], sign: float, confinement: float, high: float, fall: float, share: float
 ) -> tuple[Rig, Motion, bool]:
     """A fast test that only finds out how far the peak is; whether it failed at all."""
     rig = mounted()
-    rig.approach(sign)
+    rig.approach(sign, share=share)
     # tension goes about as far as the first break, compression several times as far
     guess = rig.first_break * (1.2 if sign < 0.0 else 4.0)
     # under pressure a bond may be near its strength from the start

@@ -56,6 +56,10 @@ REFRESH = 100
 """Steps between looks at what the pressure acts on."""
 
 
+Prepare = Callable[[AssemblyBuilder], object]
+"""What is done to a specimen before it is built."""
+
+
 class Rig:
     """A specimen ready to be loaded along its axis.
 
@@ -69,6 +73,8 @@ class Rig:
         Of the critical time step [-].
     seed : int
         Of the scatter of bond strengths.
+    prepare : callable, optional
+        Is given the builder when everything is bonded and held: to cut joints through the specimen, for instance.
 
     Raises
     ------
@@ -84,6 +90,7 @@ class Rig:
         confinement: float = 0.0,
         time_share: float = STEP,
         seed: int = 1,
+        prepare: Prepare | None = None,
     ) -> None:
         material.check()
         self.specimen = specimen
@@ -109,6 +116,8 @@ class Rig:
         build.bond_within(material.bonding_range, scale=material.scatter(seed))
         for ids in (self.lower, self.upper):
             build.hold(ids, **{AXES[d - 1]: 0.0})
+        if prepare is not None:
+            prepare(build)
         self.sides = Confinement(float(along.min()), float(along.max()), float(radii.min()), d)
         if confinement:
             # the place of the forces is looked up again and again

@@ -8,7 +8,8 @@ A law of contacts or bonds offers ``NAME``, ``PARAMETERS`` (its parameter tuple)
 history ``SCALAR``, ``TANGENTIAL`` and ``AXIAL``, ``MOMENT``, ``VISCOUS``, the scalar functions ``force``, ``energy``
 and ``stiffness`` (and ``viscous`` where it says so), and ``combine``, ``against_rigid`` and ``check`` on its
 parameters. The names of the scalar functions' arguments say what they need. A contact law may offer ``reach``; a
-bond law offers ``REPLACES_CONTACT`` and ``bonded``. `geodem.laws.protocol` reads and checks all this.
+bond law offers ``REPLACES_CONTACT`` and ``bonded``. A law of joints offers the same as a bond's but for what mixes
+materials, and ``starts_bonded`` and ``LASTING``. `geodem.laws.protocol` reads and checks all this.
 """
 
 from __future__ import annotations
@@ -41,6 +42,7 @@ from .contact import (
     linear_rolling,
 )
 from .ground import mohr_coulomb
+from .joint import bolt, smooth_joint
 
 GROUND_LAWS: dict[str, ModuleType] = {module.NAME: module for module in (mohr_coulomb,)}
 """Laws of stress-carrying particles by name."""
@@ -79,3 +81,6 @@ BOND_LAWS: dict[str, ModuleType] = {
     )
 }
 """Laws of bonded particles by name."""
+
+JOINT_LAWS: dict[str, ModuleType] = {module.NAME: module for module in (smooth_joint, bolt)}
+"""Laws of pairs that have a direction of their own, across joints and along bolts, by name."""

@@ -53,6 +53,12 @@ MENU = {
 }
 """What a law may ask for, beside its parameters and its history."""
 
+JOINT_MENU = {
+    "area": "of the joint's face that the pair stands for [m2]; in 2D per metre of depth [m]",
+    "intact": "1 while the face is bonded, else 0 [-]",
+}
+"""What a law of joints may ask for as well. Its normal is that of the joint."""
+
 IN_SPACE = tuple(MENU)[-11:]
 """Those of them that `force` alone may ask for; a law that does is computed pair by pair."""
 
@@ -73,6 +79,7 @@ _BOTH = (
     "force", "energy", "stiffness", "combine", "against_rigid", "check",
 )  # fmt: skip
 _BONDS = ("REPLACES_CONTACT", "bonded")
+_OF_MATERIALS = ("combine", "against_rigid")
 
 Floats = NDArray[np.float64]
 
@@ -193,7 +200,7 @@ def make_parameters(law: ModuleType, given: Mapping[str, float], place: str) -> 
     return parameters._replace(**values)
 
 
-def check_law(law: ModuleType, kind: Literal["contact", "bond"]) -> None:
+def check_law(law: ModuleType, kind: Literal["contact", "bond", "joint"]) -> None:
     """Check that a module offers what a law must.
 
     Raises
@@ -204,6 +211,8 @@ def check_law(law: ModuleType, kind: Literal["contact", "bond"]) -> None:
     name = getattr(law, "NAME", law.__name__)
     place = f"{kind} law {name}"
     offers = (*_BOTH, *(_BONDS if kind == "bond" else ()))
+    if kind == "joint":
+        offers = (*(offer for offer in _BOTH if offer not in _OF_MATERIALS), "starts_bonded", "LASTING")
     if getattr(law, "VISCOUS", False):
         offers = (*offers, "viscous")
     missing = [offer for offer in offers if not hasattr(law, offer)]
@@ -223,13 +232,15 @@ def check_law(law: ModuleType, kind: Literal["contact", "bond"]) -> None:
     for function, (menu, with_history) in _ASKS.items():
         if hasattr(law, function):
             allowed = (*parameters, *menu, *(history if with_history else ()))
+            if kind == "joint":
+                allowed = (*(word for word in allowed if word not in IN_SPACE), *JOINT_MENU)
             if kind == "contact":
                 allowed = tuple(word for word in allowed if word not in ("scale", "breaking"))
             _check_arguments(f"{place}: {function}", getattr(law, function), allowed)
             _check_globals(f"{place}: {function}", law, getattr(law, function))
     moments = 4 if law.MOMENT else 0
     returned = {
-        "force": 4 + moments + len(history) + (2 if kind == "bond" else 0),
+        "force": 4 + moments + len(history) + (0 if kind == "contact" else 2),
         "viscous": 4,
         "stiffness": 4,
         "bonded": len(history),

@@ -1,4 +1,4 @@
-"""Mean stress in a circle or sphere, from the forces of the links that cross it."""
+"""Mean stress in a circle or sphere or in a box, from the forces of the links that cross it."""
 
 from __future__ import annotations
 
@@ -70,3 +70,36 @@ def share_inside(starts: Floats, branches: Floats, centre: Floats, radius: float
     root = np.sqrt(np.maximum(rest, 0.0))
     first, last = np.clip((-half - root) / safe, 0.0, 1.0), np.clip((-half + root) / safe, 0.0, 1.0)
     return np.where((rest > 0.0) & (a > 0.0), last - first, 0.0)
+
+
+def stress_in_box(
+    forces: ArrayLike, starts: ArrayLike, branches: ArrayLike, low: ArrayLike, high: ArrayLike
+) -> Floats:
+    """Mean stress (d, d) [Pa] in a box between two corners (d,) [m]; the rest as of `stress_in_region`.
+
+    Raises
+    ------
+    InputError
+        Arrays that do not belong together, corners that bound no box.
+    """
+    begin, branch = np.asarray(starts, dtype=float), np.asarray(branches, dtype=float)
+    least, most = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
+    if begin.shape != branch.shape or begin.ndim != 2 or not least.shape == most.shape == begin.shape[1:]:
+        raise InputError(
+            "region",
+            f"starts {begin.shape}, branches {branch.shape} and corners {least.shape} do not belong together",
+            "Give one row of each a link, and corners of as many coordinates",
+        )
+    if not (most > least).all():
+        raise InputError(
+            "region, corners", "they bound no box", "Give the lowest and the highest coordinates"
+        )
+    # of each line, from where to where it is between the two faces of every pair
+    still = branch == 0.0
+    safe = np.where(still, 1.0, branch)
+    one, other = (least - begin) / safe, (most - begin) / safe
+    within = (begin >= least) & (begin <= most)
+    first = np.where(still, np.where(within, 0.0, np.inf), np.minimum(one, other)).max(axis=1)
+    last = np.where(still, np.where(within, 1.0, -np.inf), np.maximum(one, other)).min(axis=1)
+    share = np.maximum(np.minimum(last, 1.0) - np.maximum(first, 0.0), 0.0)
+    return stress_of_contacts(forces, share[:, None] * branch, float(np.prod(most - least)))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from geodem.errors import InputError
-from geodem.measure.region_stress import share_inside, stress_in_region
+from geodem.measure.region_stress import share_inside, stress_in_box, stress_in_region
 from geodem.measure.stress import stress_of_contacts
 
 
@@ -49,3 +49,22 @@ def test_what_does_not_belong_together_is_refused():
         stress_in_region(np.zeros((2, 2)), np.zeros((3, 2)), np.zeros((2, 2)), np.zeros(2), 1.0)
     with pytest.raises(InputError, match="no radius"):
         stress_in_region(np.zeros((2, 2)), np.zeros((2, 2)), np.zeros((2, 2)), np.zeros(2), -1.0)
+
+
+def test_boxes_share_out_the_stress_of_all():
+    """Boxes that fill a body have its stress between them, whatever lines cross their faces."""
+    rng = np.random.default_rng(4)
+    starts = rng.uniform(0.0, 4.0, (200, 3))
+    branches = rng.uniform(0.0, 4.0, (200, 3)) - starts
+    branches[:20, 0] = 0.0
+    forces = rng.standard_normal((200, 3))
+    whole = stress_of_contacts(forces, branches, 64.0)
+    edges = np.linspace(0.0, 4.0, 3)
+    corners = np.stack(np.meshgrid(edges[:-1], edges[:-1], edges[:-1]), axis=-1).reshape(-1, 3)
+    parts = [stress_in_box(forces, starts, branches, low, low + 2.0) for low in corners]
+    assert np.mean(parts, axis=0) == pytest.approx(whole, rel=1e-12, abs=1e-12)
+
+
+def test_corners_that_bound_no_box_are_refused():
+    with pytest.raises(InputError, match="corners"):
+        stress_in_box(np.ones((1, 2)), np.zeros((1, 2)), np.ones((1, 2)), (1.0, 0.0), (0.0, 1.0))

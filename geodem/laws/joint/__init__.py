@@ -1,0 +1,1 @@
+"""Laws of joints, one file each."""
