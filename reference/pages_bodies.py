@@ -37,8 +37,9 @@ GROUPS = (
     Group(
         "ground-joints",
         "Joints, bolts, initial stress",
-        "Specimens with one joint against Jaeger's closed form (1960), Priest's block on a smooth joint, dry and with water, "
-        "a grouted bar pulled out, a lining bent and stretched, and the stress of bonded ground before anything is built.",
+        "Specimens with one joint against Jaeger's closed form (1960), Priest's block on a smooth joint, dry and with "
+        "water, a grouted bar pulled out, a lining bent and stretched, and the stress of bonded ground before "
+        "anything is built.",
     ),
 )
 
