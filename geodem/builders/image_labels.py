@@ -305,12 +305,27 @@ def _unlisted_error(
     target = picture or Path(tempfile.mkdtemp(prefix="geodem-")) / "unlisted-colour.png"
     target.parent.mkdir(parents=True, exist_ok=True)
     Image.fromarray(marked).save(target, format="PNG")
+    share = f"on {100 * where.mean():.2f} % of its pixels"
+    spot = f"near column {int(np.median(columns))}, row {int(np.median(rows))}"
+    if (rgb == colour).all(axis=1).any():
+        # a wedge that ends: between the colours beside it, it might as well be their blend
+        problem = (
+            f"the colour {shown} is thinner than a pixel {share} ({spot}), where it cannot be told from a blend of "
+            "the colours beside it"
+        )
+        remedy = "Draw it with more pixels, or end it blunt; the places are magenta in the picture."
+    else:
+        problem = (
+            f"the picture shows the colour {shown}, which is not listed, {share} ({spot}; the nearest legend colour "
+            f"is {nearest})"
+        )
+        remedy = (
+            f'Add "{shown}" to the legend or the background, or paint it over; it is magenta in the picture.'
+        )
     return InputError(
         place,
-        f"the picture shows the colour {shown}, which is not listed, on {100 * where.mean():.2f} % of its "
-        f"pixels (near column {int(np.median(columns))}, row {int(np.median(rows))}; the nearest legend "
-        f"colour is {nearest})",
-        f'Add "{shown}" to the legend or the background, or paint it over; it is magenta in the picture.',
+        problem,
+        remedy,
         value=path,
         picture=target,
     )
