@@ -35,8 +35,8 @@ MOST_STEPS = 4000
 """Of the minimiser, after each change of size."""
 TOUCHING = 1e-6
 """Gap over the radii up to which a pair touches."""
-CAGE = 0.5
-"""Neighbours that may bound a cage lie within so many mean radii of a particle's surface."""
+CAGE = {2: 0.5, 3: 1.5}
+"""Neighbours that may bound a cage lie within so many mean radii of a particle's surface: in space cages are wide."""
 MOST_CENTRINGS = 30
 
 
@@ -101,7 +101,7 @@ def without_floaters(positions: Floats, radii: Floats, sides: Floats) -> tuple[F
     """Positions, radii, and how many particles were grown until d + 1 others hold them."""
     positions, radii = positions.copy(), radii.copy()
     d = len(sides)
-    reach = CAGE * float(radii.mean())
+    reach = CAGE[d] * float(radii.mean())
     cell = PeriodicCell(np.diag(sides), (True,) * d)
     near, _ = close_pairs(positions, radii, lambda a, b: a + b + reach, cell)
     both = np.concatenate([near, near[:, ::-1]])
@@ -113,15 +113,16 @@ def without_floaters(positions: Floats, radii: Floats, sides: Floats) -> tuple[F
         others = both[begin[particle] : begin[particle + 1], 1]
         away = positions[others] - positions[particle]
         away -= sides * np.round(away / sides)
-        shift, radius = widest(away, radii[others], float(radii[particle]))
+        shift, radius = widest(away, radii[others], float(radii[particle]), reach)
         positions[particle] = np.mod(positions[particle] + shift, sides)
         radii[particle] = radius
     return positions, radii, len(floating)
 
 
-def widest(away: Floats, radii: Floats, radius: float) -> tuple[Floats, float]:
+def widest(away: Floats, radii: Floats, radius: float, reach: float) -> tuple[Floats, float]:
     """Way (d,) to the middle of a cage of particles `away` (k, d), and the largest radius there, at least `radius`.
 
+    What lies farther from its surface than `reach` [m] is not among them, so it goes and grows no farther than that.
     By linear programs: the gaps are linear for a small way, which is at most a tenth of the radius at a time.
     """
     from scipy.optimize import linprog
@@ -141,7 +142,7 @@ def widest(away: Floats, radii: Floats, radius: float) -> tuple[Floats, float]:
             break
         trial = at + found.x[:d]
         room = float((np.linalg.norm(away - trial, axis=1) - radii).min())
-        if room > best:
+        if room > best and float(np.linalg.norm(trial)) + room - radius < reach:
             gain, at, best = room - best, trial, room
             if gain < 1e-9 * radius:
                 break

@@ -29,7 +29,7 @@ def test_cage_of_three_discs_is_filled():
     # discs of radius 1 around the origin at distance 3: room for a disc of radius 2 in the middle
     angles = np.radians([90.0, 210.0, 330.0])
     around = 3.0 * np.column_stack([np.cos(angles), np.sin(angles)])
-    shift, radius = widest(around - [0.3, -0.2], np.ones(3), 0.5)
+    shift, radius = widest(around - [0.3, -0.2], np.ones(3), 0.5, 2.0)
     assert shift == pytest.approx([-0.3, 0.2], abs=1e-6)
     assert radius == pytest.approx(2.0, rel=1e-6)
 
