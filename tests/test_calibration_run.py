@@ -81,7 +81,7 @@ def test_result_holds_what_is_promised(result):
         "direct-tension",
         "triaxial-compression",
     }
-    assert [test["confinement_Pa"] for test in fresh["tests"][2:]] == [7e6, 14e6, 35e6]
+    assert [test["confinement_Pa"] for test in fresh["tests"][2:]] == [8.75e6, 17.5e6, 35e6]
     seeds = {specimen["seed"] for specimen in result["rounds"][0]["specimens"]}
     assert not seeds & {seed for test in fresh["tests"] for seed in test["seeds"]}, "fresh ones"
 

@@ -127,7 +127,12 @@ def read_with_gmsh(path: Path, size: float | None, names: Mapping[int, str] | No
                     gmsh.model.occ.importShapes(str(path), highestDimOnly=True)
                 gmsh.model.occ.synchronize()
             else:
-                _merge_geo(gmsh, path)
+                try:
+                    _merge_geo(gmsh, path)
+                except Exception:
+                    # a broken file leaves gmsh's parser in its midst, where the next one, however good, fails
+                    gmsh.clear()
+                    _merge_geo(gmsh, path)
         except Exception as error:
             raise InputError(
                 str(path), f"gmsh cannot read the file ({_said(gmsh, error)})",
