@@ -131,7 +131,8 @@ def read_with_gmsh(path: Path, size: float | None, names: Mapping[int, str] | No
                     _merge_geo(gmsh, path)
                 except Exception:
                     # a broken file leaves gmsh's parser in its midst, where the next one, however good, fails
-                    gmsh.clear()
+                    gmsh.model.remove()
+                    gmsh.model.add("geodem ground")
                     _merge_geo(gmsh, path)
         except Exception as error:
             raise InputError(
