@@ -101,17 +101,17 @@ def test_joint_that_ends_in_the_rock_cuts_only_there():
 
 def test_cohesion_is_that_of_the_face_and_its_break_is_recorded():
     """An ideally plastic joint slides at c + sigma tan(phi) over its whole length, whatever the packing."""
-    build, _, upper, pressure = sheared(2, cohesion=3e5)
+    # five times as fast, the middle swings and the mean is that of its swings
+    build, _, upper, pressure = sheared(2, cohesion=3e5, speed=0.1)
     s = ParticleSimulation(build.build(), local_damping=0.2)
-    steps = round(0.02 / s.time_step / 0.5)
-    s.run(5 * steps)
+    steps = round(0.01 / s.time_step / 0.1)
+    s.run(4 * steps)
     drawn = []
     for _ in range(10):
         s.run(steps)
         drawn.append(-float(s.forces[upper, 0].sum()))
-    # a twentieth is missing: what has slid out at the ends, and where the face opens behind;
     # with much more than the pressure the face would open behind, where what draws it lifts it
-    assert np.mean(drawn) == pytest.approx(3e5 * SIZES[2][0] + FRICTION * pressure, rel=0.06)
+    assert np.mean(drawn) == pytest.approx(3e5 * SIZES[2][0] + FRICTION * pressure, rel=0.03)
     found = s.broken_bonds()
     joined = {tuple(pair) for pair in s.assembly.joints.pairs.tolist()}
     assert {tuple(pair) for pair in s.assembly.bonds[found.bond].tolist()} <= joined
