@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -161,12 +162,10 @@ def _segmented(source: GroundSource, given: Any, picture: NDArray[Any] | None, s
 
 
 def _grid(source: GroundSource) -> GroundBody:
-    try:
-        import pyvista  # noqa: F401
-    except ImportError:
+    if find_spec("pyvista") is None:
         raise InputError(
-            "grid", "VTK files are read by pyvista, which is not here", "Run: pip install 'geodem[meshes]'."
-        ) from None
+            "grid", "VTK files are read by pyvista, which is not here", "Run: pip install 'geodem[pictures]'."
+        )
     from .builders.grid_sources import grid_from_vtk
 
     o = source.options

@@ -30,7 +30,7 @@ kind = "direct-tension"
 
 [[test]]
 kind = "triaxial-compression"
-confinement = "20 MPa"
+confinement = "10 MPa"
 """
 
 TENSION = LABORATORY[: LABORATORY.index("[[test]]")].replace("across = 12", "across = 10").replace(

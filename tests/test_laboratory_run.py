@@ -65,12 +65,10 @@ def test_result_holds_what_is_promised(result):
         "triaxial-compression",
     ]
     assert "confinement_Pa" not in result["tests"][0]
-    assert result["tests"][2]["confinement_Pa"] == 20e6
+    assert result["tests"][2]["confinement_Pa"] == 10e6
     for test in result["tests"]:
         assert test["seeds"] == [3, 4]
-        # so coarse a specimen may slide on under pressure at what it bore
-        assert len(test["failed"]) == 2
-        assert True in test["failed"]
+        assert test["failed"] == [True, True]
         values = test["strength_Pa"]["values"]
         assert test["strength_Pa"]["mean"] == pytest.approx(statistics.mean(values))
         assert test["strength_Pa"]["standard_deviation"] == pytest.approx(statistics.stdev(values))
@@ -96,12 +94,12 @@ def test_properties_are_those_of_such_bonds(result):
 def test_the_envelope_goes_through_the_strengths(result):
     """s1 = UCS + N s3, N = (1 + sin phi)/(1 - sin phi), UCS = 2 c sqrt(N) (Jaeger, Cook & Zimmerman 2007, eq. 4.22)."""
     ucs, confined = (result["tests"][k]["strength_Pa"]["mean"] for k in (0, 2))
-    slope = (confined - ucs) / 20e6
+    slope = (confined - ucs) / 10e6
     envelope = result["envelope"]
     assert math.sin(envelope["friction_angle_rad"]) == pytest.approx((slope - 1.0) / (slope + 1.0))
     assert envelope["cohesion_Pa"] == pytest.approx(ucs / (2.0 * math.sqrt(slope)))
     singles = [
-        (b - a) / 20e6
+        (b - a) / 10e6
         for a, b in zip(*(result["tests"][k]["strength_Pa"]["values"] for k in (0, 2)), strict=True)
     ]
     angles = [math.asin((n - 1.0) / (n + 1.0)) for n in singles]

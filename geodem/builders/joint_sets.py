@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -165,7 +166,7 @@ def joint_set_3d(
     for shift in _shifts(box, start, normal, spacing, scatter, rng):
         foot = start + shift * normal
         if math.isinf(trace):
-            found += _whole(lambda foot=foot: plane(foot, tilted(), box, material))  # type: ignore[misc]
+            found += _whole(partial(plane, foot, tilted(), box, material))
             continue
         for low, high in _traces(*_stretch(box, foot, down), lengths, scatter, rng):
             row = foot + 0.5 * (low + high) * down

@@ -173,7 +173,7 @@ def _merge_geo(gmsh: Any, path: Path) -> None:
     """Read a .geo file into the model; gmsh skips a last line without a break."""
     text = path.read_bytes()
     if text.endswith(b"\n"):
-        # not `open`, which would leave the model of this session behind
+        # not `open`, which would begin another model
         gmsh.merge(str(path))
         return
     if re.search(rb"\b(Include|Merge|ShapeFromFile)\b", text):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -46,7 +47,7 @@ class Refinement:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SectionOptions:
+class SectionOptions(ABC):
     """What every kind of section has.
 
     Attributes
@@ -67,14 +68,14 @@ class SectionOptions:
     """The key of [section] that names its file, or "regions"."""
 
     @property
+    @abstractmethod
     def materials(self) -> tuple[str, ...]:
         """Materials in order of first appearance."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def bounds(self) -> tuple[float, float, float, float]:
         """Left, bottom, right, top [m]."""
-        raise NotImplementedError
 
     @property
     def file(self) -> Path | None:

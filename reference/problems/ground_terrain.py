@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping
+from typing import Literal
 
 import numpy as np
 
@@ -104,14 +105,14 @@ def factor(section: Section, particles: int = PARTICLES) -> float:
     return found.value
 
 
-def slices(section: Section, method: str) -> float:
+def slices(section: Section, method: Literal["bishop", "spencer"]) -> float:
     """Factor of the critical circle by "bishop" or "spencer"."""
     soils = {
         name: Soil(density * GRAVITY, cohesion, math.radians(angle))
         for name, (density, cohesion, angle) in _present(section).items()
     }
     regions = [(region.material, [np.array(region.polygon.exterior.coords)]) for region in section.regions]
-    return float(search(Ground(regions, soils), method).factor)  # type: ignore[arg-type]
+    return float(search(Ground(regions, soils), method).factor)
 
 
 def _present(section: Section) -> Mapping[str, tuple[float, float, float]]:

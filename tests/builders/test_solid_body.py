@@ -128,7 +128,10 @@ def test_surface_with_one_side(tmp_path):
     """A Klein bottle in 3D crosses itself, but has no edge that is open: squares glued with a twist."""
     n, m = 8, 7
     grid = np.random.default_rng(5).random((n, m, 3))
-    at = lambda i, j: grid[i % n, j % m] if (i // n) % 2 == 0 else grid[i % n, (-j) % m]  # noqa: E731
+
+    def at(i, j):
+        return grid[i % n, j % m] if (i // n) % 2 == 0 else grid[i % n, (-j) % m]
+
     corners = [t for i in range(n) for j in range(m)
                for p, q, r, s in [(at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1))]
                for t in ((p, q, r), (p, r, s))]  # fmt: skip
