@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -20,9 +19,9 @@ from .case.material_file import PROPERTIES, Calibrated, write_material
 from .case.table import quoted
 from .errors import InputError, InputErrors, StoppedError
 from .io.checkpoint import checksum
-from .io.files import read_json, write_json, write_whole
+from .io.files import read_json
 from .io.history import write_history
-from .io.run_folder import claim_folder
+from .io.run_folder import RunFolder
 from .laboratory import pace as paces
 from .laboratory.entries import envelope_entry, group_entry, material_entry, property_entry
 from .laboratory.files import write_tests
@@ -32,7 +31,6 @@ from .laboratory.specimen import COARSE
 from .laboratory.summary import group_tests, material_properties, summarise_envelope
 from .laboratory.workers import Workers, workers_allowed
 from .plotting.calibration_report import write_calibration_report
-from .provenance import versions
 
 MATERIAL_FILE = "material.toml"
 
@@ -52,10 +50,10 @@ QUICK_PACE = 0.5
 """Of a quick run: particles across, rounds, specimens of a round and fresh ones, share of the pace."""
 
 WRITTEN = (
-    "result.json", "report.html", "history.csv", MATERIAL_FILE, "tests/*.h5", "tests/trial-*.json", "curves/*.csv",
-    "figures/*.png", "particles-*.vtkhdf", "cracks-*.vtkhdf",
+    MATERIAL_FILE, "tests/*.h5", "tests/trial-*.json", "curves/*.csv", "figures/*.png", "particles-*.vtkhdf",
+    "cracks-*.vtkhdf",
 )  # fmt: skip
-"""What a run writes."""
+"""What a run writes beside the files of every run."""
 
 
 def run_calibration(
@@ -110,30 +108,19 @@ def run_calibration(
     )
     across = options_of(case, quickly).across
     text = replace(case, specimen=replace(case.specimen, across=across)).as_run_text()
-    if claim_folder(out, identity, text, overwrite=overwrite, written=WRITTEN):
-        stored = read_json(out / "result.json")
-        if stored is not None and stored["status"] == "done" and (out / "report.html").is_file():
+    run = RunFolder(out, text, identity, written=WRITTEN)
+    if run.claim(overwrite=overwrite):
+        stored = run.stored()
+        if stored["status"] == "done" and (out / "report.html").is_file():
             return stored
-    write_whole(out / "case.toml", text)
-    begun = time.perf_counter()
-    before = float((read_json(out / "result.json") or {}).get("wall_time_s") or 0.0)
     count = workers_allowed(threads)
-    facts = {
-        **_head(case), "identity": identity, "quick": quickly, "threads": count, "command": command,
-    }  # fmt: skip
-
-    def spent() -> dict[str, Any]:
-        return {"wall_time_s": round(before + time.perf_counter() - begun, 3)}
-
-    # so that a run that is ended by force can be resumed as well
-    write_json(out / "result.json", facts | spent() | {"status": "stopped"})
-    try:
+    with run.going({**_head(case), "quick": quickly, "threads": count, "command": command}):
         found = _calibrate(case, out, quickly, count, watch, stop_asked)
         tests = _show(found, out, quickly, count, watch, stop_asked)
-    except StoppedError:
-        write_json(out / "result.json", facts | spent() | {"status": "stopped"})
-        raise
-    return _write(case, found, tests, out, facts | spent())
+        result = run.whole(assemble(case, found, tests))
+        write_material(out / MATERIAL_FILE, found.material, calibrated(found, statements(found)))
+        _draw(out, result, found, tests)
+        return run.finish(result)
 
 
 def calibration_of(given: Mapping[str, object], title: str) -> CalibrationCase:
@@ -289,20 +276,6 @@ def _specimen(options: SpecimenOptions) -> dict[str, Any]:
     return {name: value for name, value in asdict(options).items() if name != "pace"}
 
 
-def _write(
-    case: CalibrationCase,
-    found: Calibration,
-    tests: Sequence[FinishedTest],
-    folder: Path,
-    facts: Mapping[str, Any],
-) -> dict[str, Any]:
-    """Everything that a run leaves; result.json last, so that one that says "done" has all beside it."""
-    result = {**facts, **assemble(case, found, tests)}
-    write_material(folder / MATERIAL_FILE, found.material, calibrated(found, statements(found)))
-    _draw(folder, result, found, tests)
-    return write_json(folder / "result.json", result)
-
-
 def _draw(folder: Path, result: Mapping[str, Any], found: Calibration, tests: Sequence[FinishedTest]) -> None:
     _write_rounds(folder / "history.csv", found)
     write_tests(folder, tests)
@@ -354,7 +327,6 @@ def assemble(case: CalibrationCase, found: Calibration, tests: Sequence[Finished
     same_bits = [{k: v for k, v in outcome.items() if "seconds" not in k} for outcome in outcomes]
     cracks = {mode: sum(getattr(t.record.cracks, mode) for t in tests) for mode in ("tension", "shear")}
     return {
-        "status": "done",
         **calibration_entries(found),
         "material": material_entry(found.material),
         "material_file": MATERIAL_FILE,
@@ -393,7 +365,6 @@ def _head(case: CalibrationCase) -> dict[str, Any]:
             name: (None if math.isnan(value) else value) for name, value in asdict(case.targets).items()
         },
         "seed": case.seed,
-        "versions": versions(),
         "notices": list(case.notices),
         "warnings": list(case.questions),
         "steps": 0,

@@ -5,28 +5,24 @@ Exit status 0: done; 2: bad input, nothing written over; 3: stopped, resumable; 
 
 from __future__ import annotations
 
-import math
 import os
 import shlex
 import signal
 import sys
-import time
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
 
+from .check_printing import escaped
 from .errors import InputError, StoppedError
-
-if TYPE_CHECKING:
-    from .analysis import Update
-    from .calibration.fit import Progress
-    from .laboratory.workers import Overview
+from .kinds import KINDS
+from .telling import progress_line, tell
 
 app = typer.Typer(
     add_completion=False,
@@ -139,17 +135,16 @@ def _run(
         # the path says which case it is, what was read says which kind
         loaded = load_any(case)
         if loaded.workflow != workflow:
-            command = {"laboratory": "lab", "calibration": "calibrate"}.get(loaded.workflow, "run")
             raise InputError(
                 "workflow", f"this command takes cases of the kind {workflow}",
-                f"Run it with: geodem {command} {shlex.quote(str(case))}", value=loaded.workflow,
+                f"Run it with: {KINDS[loaded.workflow].command} {shlex.quote(str(case))}", value=loaded.workflow,
             )  # fmt: skip
-    with _interruptible(folder) as stop_asked, _progress() as watch:
+    with _interruptible(folder) as stop_asked, progress_line(console) as watch:
         result = run_case(
             case, folder, threads=threads, quickly=quick, overwrite=overwrite,
             watch=watch, stop_asked=stop_asked, command=_command(),
         )  # fmt: skip
-    _tell(result, folder)
+    tell(result, folder, console)
 
 
 @app.command()
@@ -157,9 +152,9 @@ def resume(folder: FolderArgument, threads: ThreadsOption = None) -> None:
     """Go on with a run that was stopped."""
     from .workflow import resume_case
 
-    with _interruptible(folder) as stop_asked, _progress() as watch:
+    with _interruptible(folder) as stop_asked, progress_line(console) as watch:
         result = resume_case(folder, threads=threads, watch=watch, stop_asked=stop_asked, command=_command())
-    _tell(result, folder)
+    tell(result, folder, console)
 
 
 @app.command()
@@ -177,9 +172,7 @@ def check(
 
 @app.command()
 def new(
-    kind: Annotated[
-        str, typer.Argument(metavar="KIND", help="What to make: slope, laboratory, calibration, ground.")
-    ],
+    kind: Annotated[str, typer.Argument(metavar="KIND", help=f"What to make: {', '.join(KINDS)}.")],
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder that does not exist yet.")],
 ) -> None:
     """Make a folder with a case to start from."""
@@ -225,10 +218,10 @@ def main() -> None:
     try:
         app()
     except InputError as error:
-        complaints.print(f"[bold red]Cannot go on.[/] {_escaped(str(error))}")
+        complaints.print(f"[bold red]Cannot go on.[/] {escaped(str(error))}")
         sys.exit(2)
     except StoppedError as error:
-        complaints.print(f"[yellow]{_escaped(str(error))}[/]")
+        complaints.print(f"[yellow]{escaped(str(error))}[/]")
         sys.exit(3)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -239,12 +232,6 @@ def main() -> None:
             "[bold red]This is a defect of geodem, not of your case.[/] Please report the lines above."
         )
         sys.exit(1)
-
-
-def _escaped(text: str) -> str:
-    from rich.markup import escape
-
-    return escape(text)
 
 
 def _command() -> str:
@@ -268,148 +255,14 @@ def _interruptible(folder: Path) -> Iterator[Callable[[], bool]]:
         yield lambda: asked
     except (KeyboardInterrupt, StoppedError) as error:
         what = "Stopped at once" if isinstance(error, KeyboardInterrupt) else f"{str(error).capitalize()}"
-        if (folder / "checkpoint.h5").is_file() or (folder / "tests").is_dir():
+        from .io.run_folder import resumable
+
+        if resumable(folder):
             raise StoppedError(f"{what}. Go on with: geodem resume {shlex.quote(str(folder))}") from None
         raise StoppedError(f"{what}. Nothing was kept; the same command begins again.") from None
     finally:
         for number, handler in old.items():
             signal.signal(number, handler)
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[Any], None]]:
-    """A live line; plain lines, one a trial or a test, where there is no terminal."""
-    from .plotting.wording import closing
-
-    live = console.status("starting") if console.is_terminal else None
-    shown: dict[str, Any] = {"trial": None, "stage": "", "time": 0.0}
-
-    def watch(update: Any) -> None:
-        # what a kind of case tells is known by what it holds: naming the classes would load them all
-        if hasattr(update, "running"):
-            _watch_tests(update, live)
-        elif hasattr(update, "rounds"):
-            _watch_calibration(update, live, shown)
-        else:
-            watch_search(update)
-
-    def watch_search(update: Update) -> None:
-        stage = f"{update.stage}: {update.text}"
-        progress = update.progress
-        if live is None:
-            if stage != shown["stage"]:
-                console.print(stage)
-            if progress is not None and progress.trials and (stage, progress.trials) != shown["trial"]:
-                console.print(f"  {closing(update.progress, update.seconds_left)}")
-                shown["trial"] = (stage, progress.trials)
-            shown["stage"] = stage
-        elif progress is None:
-            live.update(stage)
-        elif time.perf_counter() - shown["time"] > 0.1:
-            shown["time"] = time.perf_counter()
-            # two lines, so that nothing is cut off at 80 columns
-            live.update(
-                f"{update.text}: {closing(progress, update.seconds_left)}\n"
-                f"  trying {progress.factor:.4g}: step {progress.steps:,}, "
-                f"unbalanced {progress.unbalanced_ratio:.0e}, moved {progress.displacement_settlements:.2f} settlements"
-            )
-
-    if live is None:
-        yield watch
-    else:
-        with live:
-            yield watch
-
-
-def _watch_tests(overview: Overview, live: Any) -> None:
-    from .plotting.laboratory_wording import overview_lines
-    from .plotting.wording import duration
-
-    head, lines = overview_lines(overview)
-    if not math.isnan(overview.seconds_left) and overview.finished < overview.total:
-        head += f", about {duration(overview.seconds_left)} left"
-    if live is not None:
-        live.update("\n  ".join([head, *lines]))
-    elif overview.last is not None:
-        console.print(f"{_escaped(overview.last.record.summary())}\n  {head}")
-
-
-def _watch_calibration(progress: Progress, live: Any, shown: dict[str, Any]) -> None:
-    from .plotting.wording import duration
-
-    line = progress.text
-    if progress.done < progress.tests and not math.isnan(progress.seconds_left):
-        # the fresh specimens that show the bonds come after that
-        line += f", at most about {duration(progress.seconds_left)} more"
-    if live is not None:
-        live.update(line)
-    elif line != shown["stage"]:
-        console.print(line)
-    shown["stage"] = line
-
-
-def _tell(result: dict[str, Any], folder: Path) -> None:
-    """The answer, in the words of the report."""
-    from .plotting import laboratory_wording as tests
-    from .plotting.wording import duration
-
-    if result["workflow"] == "laboratory":
-        for line in tests.property_lines(result["properties"]):
-            console.print(f"[bold]{_escaped(line)}[/]")
-    elif result["workflow"] == "calibration":
-        for line in tests.calibration_lines(result):
-            console.print(f"[bold]{_escaped(line)}[/]")
-    elif result["workflow"] == "ground":
-        _tell_ground(result)
-    else:
-        _tell_factors(result)
-    for warning in result["warnings"]:
-        console.print(f"[yellow]note[/] {_escaped(warning)}")
-    steps = "" if result["workflow"] == "ground" else f"{result['steps']:,} steps, "
-    time_line = f"{result['particles']:,} particles, {steps}{duration(result['wall_time_s'])}"
-    # several processes compile at a time
-    of = "of which " if result["workflow"] in ("slope", "ground") else "in all processes "
-    console.print(f"{time_line}, {of}{result['compile_time_s']:.1f} s compiling")
-    if "material_file" in result:
-        console.print(f"Material: {_escaped(str(folder / result['material_file']))}")
-    console.print(f"Report: {_escaped(str(folder / 'report.html'))}")
-
-
-def _tell_ground(result: dict[str, Any]) -> None:
-    from .plotting import ground_wording as words
-
-    console.print(f"[bold]{words.headline(result)}[/]")
-    for row in result["materials"]:
-        console.print(
-            f"  {_escaped(row['name'])}: {row['particles']:,}, differ from the source by "
-            f"{words.signed(row['difference_percent'])} % in size and "
-            f"{words.signed(row['mass_difference_percent'])} % in mass"
-        )
-
-
-def _tell_factors(result: dict[str, Any]) -> None:
-    from .plotting.wording import found
-
-    for entry in result["factors"]:
-        quantity, shown, how = found(entry)
-        meaning = (
-            "" if entry["kind"] == "strength-reduction" else " A load multiplier, not a factor of safety."
-        )
-        console.print(f"[bold]{quantity} {shown}[/] {_escaped(how)}.{meaning}")
-        flat = entry.get("zero_dilation")
-        if flat is not None:
-            quantity, shown, _ = found({**flat, "kind": entry["kind"]})
-            console.print(
-                f"  {quantity} {shown} with a dilation angle of zero (none was given; it was taken equal"
-            )
-            console.print(f"  to the friction angle), on {flat['particles']:,} particles")
-    beside = [f"{neighbour['method']} {neighbour['factor']:.3f}" for neighbour in result["neighbours"]]
-    if result.get("reference"):
-        beside.append(f"published {result['reference']['factor']:g} ({result['reference']['source']})")
-    if beside:
-        console.print(_escaped("Beside it: " + ", ".join(beside)))
-    if result["neighbours_why"]:
-        console.print(_escaped(f"No limit equilibrium beside it: {result['neighbours_why']}"))
 
 
 if __name__ == "__main__":

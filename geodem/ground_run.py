@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -20,30 +19,24 @@ from .ground_cost import cost
 from .ground_files import read_surfaces, write_particles, write_surfaces
 from .ground_result import assemble
 from .io.checkpoint import checksum
-from .io.files import cannot_write, read_json, write_json, write_whole
-from .io.run_folder import claim_folder
+from .io.files import cannot_write, read_json
+from .io.run_folder import RunFolder
 from .plotting.ground_pictures import ground_pictures
 from .plotting.ground_report import write_ground_report
-from .provenance import sources_digest
+from .run_progress import RunUpdate
 
 QUICK_PARTICLES = 2000
 FILLING = "filling.npz"
 PARTICLES = "particles-000000.vtkhdf"
 SURFACES = "surfaces-000000.vtkhdf"
-WRITTEN = ("result.json", "report.html", FILLING, PARTICLES, SURFACES, "figures/*.png")
-"""What a run writes."""
+WRITTEN = (FILLING, PARTICLES, SURFACES, "figures/*.png")
+"""What a run writes beside the files of every run."""
+
+NEEDED = ("report.html", FILLING, PARTICLES)
+"""What a finished run has."""
 
 
-class GroundUpdate(NamedTuple):
-    """What a run tells whoever watches it."""
-
-    stage: str
-    text: str
-    progress: None = None
-    seconds_left: float = 0.0
-
-
-Watch = Callable[[GroundUpdate], None]
+Watch = Callable[[RunUpdate], None]
 
 
 @dataclass(frozen=True)
@@ -77,7 +70,7 @@ def make_ground(
         if stop_asked is not None and stop_asked():
             raise StoppedError("stopped")
         if watch is not None:
-            watch(GroundUpdate("build", words))
+            watch(RunUpdate("build", words))
 
     stage(f"reading the {case.source.kind}")
     made = make_body(case)
@@ -115,7 +108,7 @@ def run_ground(
     overwrite : bool
         Replace the results of another case in that folder.
     watch : callable, optional
-        Is given a `GroundUpdate` at every stage.
+        Is given a `RunUpdate` at every stage.
     stop_asked : callable, optional
     command : str
         For the report.
@@ -134,39 +127,23 @@ def run_ground(
     """
     from ._jit import set_threads
 
-    begun = time.perf_counter()
     count = set_threads(threads)
     case = quick(case) if quickly else case
-    copies = portable(case)[1]
-    identity = _identity(case, copies)
-    text = portable(case)[0].as_run_text()
-    stored = read_json(out / "result.json") or {}
-    if not overwrite and stored.get("identity") == identity and _whole(out, stored):
+    beside, copies = portable(case)
+    run = RunFolder(out, beside.as_run_text(), _identity(case, copies), written=WRITTEN, sources=copies)
+    if not overwrite and (stored := run.finished(NEEDED)) is not None:
         return stored
     ground = make_ground(case, watch=watch, stop_asked=stop_asked)
-    claim_folder(out, identity, text, overwrite=overwrite, written=WRITTEN)
-    facts = {
-        "threads": count,
-        "quick": quickly,
-        "command": command,
-        "identity": identity,
-        "sources_digest": sources_digest(),
-    }
-    return _write(ground, out, text, copies, facts, begun)
+    run.claim(overwrite=overwrite)
+    return _write(ground, run, {"threads": count, "quick": quickly, "command": command})
 
 
-def _write(
-    ground: Ground, out: Path, text: str, copies: dict[str, Path], facts: dict[str, Any], begun: float
-) -> dict[str, Any]:
-    """Everything that a run leaves; result.json last, so that one that says "done" has all beside it.
-
-    `begun`: what the clock said then [s].
-    """
+def _write(ground: Ground, run: RunFolder, facts: dict[str, Any]) -> dict[str, Any]:
+    """Everything that a run leaves; result.json last, so that one that says "done" has all beside it."""
+    out = run.path
     # an older result is no longer that of what is written now
     (out / "result.json").unlink(missing_ok=True)
-    for name, path in copies.items():
-        _copy(path, out / name)
-    write_whole(out / "case.toml", text)
+    run.write_case()
     try:
         save_filling(ground.filling, out / FILLING)
     except BaseException as error:
@@ -185,26 +162,10 @@ def _write(
         filling, ground.surfaces, title=ground.result["title"], picture=made.picture,
         segmentation=made.segmentation,
     )  # fmt: skip
-    seconds = round(time.perf_counter() - begun, 3)
-    result = (
-        ground.result | facts | {"warnings": [*ground.result["warnings"], *undrawn], "wall_time_s": seconds}
-    )
-    write_ground_report(out / "report.html", result, pictures, text)
-    return write_json(out / "result.json", result)
-
-
-def _copy(source: Path, target: Path) -> None:
-    """A file, or the files of a folder, as they are."""
-    if source.is_dir():
-        if source.resolve() == target.resolve():
-            return
-        for stale in target.iterdir() if target.is_dir() else ():
-            stale.unlink()
-        for entry in sorted(source.iterdir()):
-            if entry.is_file():
-                _copy(entry, target / entry.name)
-    elif source.resolve() != target.resolve():
-        write_whole(target, source.read_bytes())
+    warnings = {"warnings": [*ground.result["warnings"], *undrawn]}
+    result = run.whole(ground.result | facts | warnings)
+    write_ground_report(out / "report.html", result, pictures, run.case_text)
+    return run.finish(result)
 
 
 def resume_ground(folder: Path, case: GroundCase, **options: Any) -> dict[str, Any]:
@@ -273,9 +234,3 @@ def _identity(case: GroundCase, copies: dict[str, Path]) -> str:
                     value=str(file),
                 ) from error  # fmt: skip
     return checksum(held)
-
-
-def _whole(folder: Path, stored: dict[str, Any]) -> bool:
-    """Whether a folder holds a finished run of this version."""
-    there = all((folder / name).is_file() for name in ("report.html", FILLING, PARTICLES))
-    return there and stored.get("status") == "done" and stored.get("sources_digest") == sources_digest()

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 from .case.laboratory import LaboratoryCase
-from .errors import InputError, StoppedError
+from .errors import InputError
 from .io.checkpoint import checksum
-from .io.files import read_json, write_json, write_whole
+from .io.files import read_json
 from .io.history import write_history
-from .io.run_folder import claim_folder
+from .io.run_folder import RunFolder
 from .laboratory import pace as paces
 from .laboratory.entries import envelope_entry, group_entry, material_entry, property_entry
 from .laboratory.files import HISTORY_COLUMNS, history_line, write_tests
@@ -22,18 +21,14 @@ from .laboratory.specimen import COARSE
 from .laboratory.summary import group_tests, material_properties, summarise_envelope
 from .laboratory.workers import Overview, Workers, workers_allowed
 from .plotting.laboratory_report import write_laboratory_report
-from .provenance import versions
 
 QUICK_ACROSS = 16.0
 QUICK_SEEDS = 2
 QUICK_PACE = 0.5
 """Of a quick run: particles across, specimens, and share of the pace."""
 
-WRITTEN = (
-    "result.json", "report.html", "history.csv", "tests/*.h5", "curves/*.csv", "figures/*.png", "particles-*.vtkhdf",
-    "cracks-*.vtkhdf",
-)  # fmt: skip
-"""What a run writes."""
+WRITTEN = ("tests/*.h5", "curves/*.csv", "figures/*.png", "particles-*.vtkhdf", "cracks-*.vtkhdf")
+"""What a run writes beside the files of every run."""
 
 Watch = Callable[[Overview], None]
 
@@ -83,32 +78,27 @@ def run_laboratory(
     case = quick(case) if quickly else case
     orders = orders_of(case, quickly)
     _check(case, orders)
-    identity = _identity(orders)
-    text = case.as_run_text()
-    if claim_folder(out, identity, text, overwrite=overwrite, written=WRITTEN):
-        stored = read_json(out / "result.json")
-        if stored is not None and stored["status"] == "done" and _all_there(orders, out):
+    run = RunFolder(out, case.as_run_text(), _identity(orders), written=WRITTEN)
+    if run.claim(overwrite=overwrite):
+        stored = run.stored()
+        if stored["status"] == "done" and _all_there(orders, out):
             return stored
-    write_whole(out / "case.toml", text)
-    begun = time.perf_counter()
-    before = float((read_json(out / "result.json") or {}).get("wall_time_s") or 0.0)
     count = workers_allowed(threads)
-    facts = {"identity": identity, "quick": quickly, "threads": count, "command": command}
-    # so that a run that is ended by force can be resumed as well
-    write_json(out / "result.json", assemble(case, [], finished=False) | facts | {"wall_time_s": before})
+    facts = {"quick": quickly, "threads": count, "command": command}
 
-    def end() -> dict[str, Any]:
+    def partial() -> dict[str, Any]:
         tests = _finished(orders, out)
-        seconds = {"wall_time_s": round(before + time.perf_counter() - begun, 3)}
-        return _write(case, tests, out, facts | seconds, finished=len(tests) == len(orders))
+        result = run.whole(assemble(case, tests) | facts, "stopped")
+        draw_laboratory(out, result, tests, run.case_text)
+        return result
 
-    try:
+    with run.going(assemble(case, []) | facts, partial):
         with Workers(count, out / "tests", watch=watch, stop_asked=stop_asked) as workers:
             workers.run(orders)
-    except StoppedError:
-        end()
-        raise
-    return end()
+        tests = _finished(orders, out)
+        result = run.whole(assemble(case, tests) | facts)
+        draw_laboratory(out, result, tests, run.case_text)
+        return run.finish(result)
 
 
 def resume_laboratory(folder: Path, case: LaboratoryCase, **options: Any) -> dict[str, Any]:
@@ -173,20 +163,6 @@ def quick(case: LaboratoryCase) -> LaboratoryCase:
     return replace(case, specimen=specimen, seeds=seeds, notices=(*case.notices, notice))
 
 
-def _write(
-    case: LaboratoryCase,
-    tests: Sequence[FinishedTest],
-    folder: Path,
-    facts: dict[str, Any],
-    *,
-    finished: bool,
-) -> dict[str, Any]:
-    """Everything that a run leaves; result.json last, so that one that says "done" has all beside it."""
-    result = assemble(case, tests, finished) | facts
-    draw_laboratory(folder, result, tests, (folder / "case.toml").read_text(encoding="utf-8"))
-    return write_json(folder / "result.json", result)
-
-
 def draw_laboratory(
     folder: Path, result: dict[str, Any], tests: Sequence[FinishedTest], case_text: str
 ) -> None:
@@ -196,7 +172,7 @@ def draw_laboratory(
     write_laboratory_report(folder / "report.html", result, tests, case_text)
 
 
-def assemble(case: LaboratoryCase, tests: Sequence[FinishedTest], finished: bool) -> dict[str, Any]:
+def assemble(case: LaboratoryCase, tests: Sequence[FinishedTest]) -> dict[str, Any]:
     """The content of result.json, but for what the run itself knows: its time, threads and command."""
     groups = group_tests(tests)
     warnings = [*case.questions, *specimen_warnings(case.specimen.across)]
@@ -210,7 +186,6 @@ def assemble(case: LaboratoryCase, tests: Sequence[FinishedTest], finished: bool
     return {
         "workflow": case.workflow,
         "title": case.title,
-        "status": "done" if finished else "stopped",
         "kind_of_result": "laboratory: quasi-static tests; stress and strain positive in compression",
         "particles": len(tests[0].radii) if tests else 0,
         "dimension": case.specimen.dimension,
@@ -229,12 +204,9 @@ def assemble(case: LaboratoryCase, tests: Sequence[FinishedTest], finished: bool
             mode: sum(getattr(test.record.cracks, mode) for test in tests) for mode in ("tension", "shear")
         },
         "steps": sum(test.record.steps for test in tests),
-        "wall_time_s": 0.0,
         "compile_time_s": round(sum(test.compile_seconds for test in tests), 3),
         "test_time_s": round(sum(test.seconds for test in tests), 3),
-        "threads": 0,
         "seed": case.seed,
-        "versions": versions(),
         "notices": list(case.notices),
         "warnings": warnings,
         "digest": checksum({"tests": [test.digest() for test in tests]}),

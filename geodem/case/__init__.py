@@ -1,5 +1,6 @@
 """The case file: TOML text with units in, validated SI numbers out; the only place that knows defaults."""
 
+from geodem.case.any_kind import load_any, load_kind, parse_any
 from geodem.case.data import (
     METHODS,
     Boundary,
@@ -17,7 +18,6 @@ from geodem.case.ground import GroundCase, GroundGrains, GroundSource, ParticleO
 from geodem.case.ground_reading import load_ground, parse_ground
 from geodem.case.laboratory import CalibrationCase, LaboratoryCase
 from geodem.case.laboratory_reading import (
-    load_any,
     load_calibration,
     load_laboratory,
     parse_calibration,
@@ -53,8 +53,10 @@ __all__ = [
     "load_calibration",
     "load_case",
     "load_ground",
+    "load_kind",
     "load_laboratory",
     "load_material",
+    "parse_any",
     "parse_calibration",
     "parse_case",
     "parse_ground",

@@ -12,13 +12,6 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-COMMANDS = {
-    "slope": "geodem run",
-    "laboratory": "geodem lab",
-    "calibration": "geodem calibrate",
-    "ground": "geodem run",
-}
-WORKFLOWS = tuple(COMMANDS)
 METHODS = ("strength-reduction", "gravity-increase")
 PACKINGS = ("random", "hexagonal")
 SUPPORTS = ("free", "roller", "fixed")

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from geodem import units
-from geodem.case.data import COMMANDS
 from geodem.case.table import Findings, Table, nearest, places_of
 from geodem.errors import InputError
+from geodem.kinds import KINDS
 
 _DEEPEST = 20  # tables in tables; a case has five
 _BEGIN = "`geodem new slope DIR` writes a case to begin with."
@@ -92,8 +92,8 @@ def parse_document(text: str, *, what: str = "case") -> dict[str, Any]:
 def refuse_other(document: Mapping[str, Any], workflow: str) -> None:
     """Raise InputError where a case is of another kind that there is, and say which command is for it."""
     found = document.get("workflow")
-    if isinstance(found, str) and found in COMMANDS and found != workflow:
-        remedy = f"Run it with: {COMMANDS[found]} CASE"
+    if isinstance(found, str) and found in KINDS and found != workflow:
+        remedy = f"Run it with: {KINDS[found].command} CASE"
         raise InputError("workflow", f'a case of "{workflow}" is needed here', remedy, value=found)
 
 

@@ -8,14 +8,14 @@ from pathlib import Path
 
 from geodem import units
 from geodem.case.bonded import material_keys, read_material
-from geodem.case.data import COMMANDS
-from geodem.case.document import check_allowed, parse_document, read_allowed, read_text, refuse_other
+from geodem.case.document import read_text
 from geodem.case.ground import GroundCase, GroundGrains, ParticleOptions
 from geodem.case.ground_source import read_source
+from geodem.case.head import read_head
 from geodem.case.material_file import load_material
 from geodem.case.section import positive
 from geodem.case.source_files import find_file
-from geodem.case.table import Findings, Table, join, listed, nearest, quoted
+from geodem.case.table import Table, join, listed, nearest, quoted
 from geodem.errors import InputError, InputErrors
 from geodem.laboratory.material import BondedMaterial
 
@@ -53,19 +53,8 @@ def parse_ground(text: str, folder: Path) -> GroundCase:
         All that is wrong in it, in its order. What is wrong in a file that the body is made from is found when it is
         made.
     """
-    document = parse_document(text)
-    refuse_other(document, "ground")
-    findings = Findings(document)
-    top = Table(findings, "", document, KEYS)
-    read_allowed(top)
-    if "workflow" not in top:
-        top.missing("workflow", f'Write workflow = "ground". Known: {listed(COMMANDS)}.')
-    else:
-        top.choice("workflow", tuple(COMMANDS))
-    title = top.text("title", remedy='Write title = "Ballast".')
-    if "title" not in top:
-        title = folder.resolve().name or "Ground"
-        findings.default("title", quoted(title))
+    head = read_head(text, folder, "ground", KEYS, example="Ballast")
+    top, findings = head.top, head.findings
     defined = top.content.get("material")
     names = tuple(defined) if isinstance(defined, dict) else ()
     source = read_source(top, folder, names)
@@ -73,22 +62,11 @@ def parse_ground(text: str, folder: Path) -> GroundCase:
     materials = _materials(top, folder, names)
     if source is not None and source.materials is not None:
         findings.errors += mismatches(source.materials, names, "the source")
-    check_allowed(findings, document)
-    if findings.errors:
-        raise InputErrors(findings.in_order())
+    common = head.close()
     # every None below has been reported
     assert source is not None
     assert particles is not None
-    return GroundCase(
-        title=title or "",
-        source=source,
-        particles=particles,
-        materials=materials,
-        allow_implausible=findings.allowed,
-        notices=tuple(findings.notices),
-        questions=tuple(findings.questions),
-        text=text,
-    )
+    return GroundCase(**common, source=source, particles=particles, materials=materials)
 
 
 def mismatches(found: tuple[str, ...], defined: tuple[str, ...], what: str) -> list[InputError]:

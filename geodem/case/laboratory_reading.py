@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, NamedTuple
 
 from geodem import units
 from geodem.calibration.targets import RockTargets, contradictions, doubts
 from geodem.case.bonded import material_keys, read_material
-from geodem.case.data import COMMANDS, Case
-from geodem.case.document import check_allowed, parse_document, read_allowed, read_text, refuse_other
-from geodem.case.ground import GroundCase
-from geodem.case.ground_reading import parse_ground
+from geodem.case.document import read_text
+from geodem.case.head import read_head
 from geodem.case.laboratory import CalibrationCase, LaboratoryCase, SpecimenOptions, TestOptions
 from geodem.case.material_file import Calibrated, load_material
-from geodem.case.reading import parse_case
 from geodem.case.specimen import ACROSS, ACROSS_CALIBRATION, read_specimen
 from geodem.case.specimen import CALIBRATION_KEYS as SPECIMEN_OF_CALIBRATION
-from geodem.case.table import Findings, Table, listed, quoted
+from geodem.case.table import Findings, Table, listed
 from geodem.errors import InputError, InputErrors
 from geodem.laboratory.material import BondedMaterial
 
@@ -51,27 +47,6 @@ DEFAULT_SEED = 1
 _LARGEST_STRESS = 1e9
 
 
-def load_any(path: Path | str) -> Case | LaboratoryCase | CalibrationCase | GroundCase:
-    """Read a case of whatever workflow it names; a slope where it names none, ground where it has a source.
-
-    Raises
-    ------
-    InputError, InputErrors
-        As of `geodem.case.load_case`.
-    """
-    text, folder = read_text(path)
-    document = parse_document(text)
-    workflow = document.get("workflow")
-    if workflow == "laboratory":
-        return parse_laboratory(text, folder)
-    if workflow == "calibration":
-        return parse_calibration(text, folder)
-    # a word that is no workflow is told with what the case otherwise looks like
-    if workflow == "ground" or (workflow not in COMMANDS and "source" in document):
-        return parse_ground(text, folder)
-    return parse_case(text, folder)
-
-
 def load_laboratory(path: Path | str) -> LaboratoryCase:
     """Read a case of the laboratory: a file, or a folder that holds case.toml; raises as `parse_laboratory`."""
     return parse_laboratory(*read_text(path))
@@ -99,8 +74,9 @@ def parse_laboratory(text: str, folder: Path) -> LaboratoryCase:
     InputErrors
         All that is wrong in it, in its order; what is wrong in the material file as well.
     """
-    head = _head(text, folder, "laboratory", LABORATORY_KEYS)
+    head = read_head(text, folder, "laboratory", LABORATORY_KEYS, example="Granite")
     top, findings = head.top, head.findings
+    seed = head.seed(DEFAULT_SEED)
     seeds = top.integer("seeds", smallest=1, remedy="Write a whole number such as 4.")
     if "seeds" not in top:
         seeds = DEFAULT_SEEDS
@@ -112,79 +88,31 @@ def parse_laboratory(text: str, folder: Path) -> LaboratoryCase:
         seeds = _seeds_of_lattice(findings, specimen, material, seeds)
         if calibrated is not None:
             _compare(findings, specimen, calibrated)
-    check_allowed(findings, head.document)
-    if findings.errors:
-        raise InputErrors(findings.in_order())
+    common = head.close()
     # every None below has been reported
-    assert head.seed is not None
     assert seeds is not None
     assert specimen is not None
     assert material is not None
     return LaboratoryCase(
-        title=head.title,
-        seed=head.seed,
+        **common,
+        seed=seed,
         seeds=seeds,
         specimen=specimen,
         material=material,
         tests=tests,
         material_file=file,
-        allow_implausible=findings.allowed,
-        notices=tuple(findings.notices),
-        questions=tuple(findings.questions),
-        text=text,
     )
 
 
 def parse_calibration(text: str, folder: Path) -> CalibrationCase:
     """Read a case of a calibration from its text; parameters and errors as of `parse_laboratory`."""
-    head = _head(text, folder, "calibration", CALIBRATION_KEYS)
-    top, findings = head.top, head.findings
-    specimen = read_specimen(top, ACROSS_CALIBRATION, SPECIMEN_OF_CALIBRATION)
-    targets = _targets(top)
-    check_allowed(findings, head.document)
-    if findings.errors:
-        raise InputErrors(findings.in_order())
-    assert head.seed is not None
+    head = read_head(text, folder, "calibration", CALIBRATION_KEYS, example="Granite")
+    seed = head.seed(DEFAULT_SEED)
+    specimen = read_specimen(head.top, ACROSS_CALIBRATION, SPECIMEN_OF_CALIBRATION)
+    targets = _targets(head.top)
+    common = head.close()
     assert specimen is not None
-    return CalibrationCase(
-        title=head.title,
-        seed=head.seed,
-        specimen=specimen,
-        targets=targets,
-        allow_implausible=findings.allowed,
-        notices=tuple(findings.notices),
-        questions=tuple(findings.questions),
-        text=text,
-    )
-
-
-class _Head(NamedTuple):
-    document: dict[str, Any]
-    findings: Findings
-    top: Table
-    title: str
-    seed: int | None
-
-
-def _head(text: str, folder: Path, workflow: str, keys: tuple[str, ...]) -> _Head:
-    document = parse_document(text)
-    refuse_other(document, workflow)
-    findings = Findings(document)
-    top = Table(findings, "", document, keys)
-    read_allowed(top)
-    if "workflow" not in top:
-        top.missing("workflow", f'Write workflow = "{workflow}". Known: {listed(COMMANDS)}.')
-    else:
-        top.choice("workflow", tuple(COMMANDS))
-    title = top.text("title", remedy='Write title = "Granite".')
-    if "title" not in top:
-        title = folder.resolve().name or workflow.capitalize()
-        findings.default("title", quoted(title))
-    seed = top.integer("seed", smallest=0, remedy="Write a whole number such as 1.")
-    if "seed" not in top:
-        seed = DEFAULT_SEED
-        findings.default("seed", str(seed))
-    return _Head(document, findings, top, title or "", seed)
+    return CalibrationCase(**common, seed=seed, specimen=specimen, targets=targets)
 
 
 def _material(top: Table, folder: Path) -> tuple[BondedMaterial | None, Path | None, Calibrated | None]:

@@ -9,12 +9,12 @@ from geodem import units
 from geodem.case.data import (
     METHODS,
     PACKINGS,
-    WORKFLOWS,
     Case,
     Reference,
     SectionOptions,
 )
-from geodem.case.document import check_allowed, parse_document, read_allowed, read_text, refuse_other
+from geodem.case.document import read_text
+from geodem.case.head import read_head
 from geodem.case.loading import read_boundary, read_loads
 from geodem.case.material import check_names, read_materials
 from geodem.case.mesh_section import MeshSection
@@ -22,7 +22,6 @@ from geodem.case.section import positive, read_section
 from geodem.case.source_files import unnamed
 from geodem.case.table import Findings, Table, join, listed, nearest
 from geodem.case.terrain_section import TerrainSection
-from geodem.errors import InputErrors
 
 KEYS = (
     "workflow",
@@ -90,16 +89,8 @@ def parse_case(text: str, folder: Path) -> Case:
     InputErrors
         All that is wrong in it, in its order.
     """
-    document = parse_document(text)
-    refuse_other(document, "slope")
-    findings = Findings(document)
-    top = Table(findings, "", document, KEYS)
-    read_allowed(top)
-    workflow = _workflow(top)
-    title = top.text("title", remedy='Write title = "My slope".')
-    if "title" not in top:
-        title = folder.resolve().name or "Slope"
-        findings.default("title", f'"{title}"')
+    head = read_head(text, folder, "slope", KEYS, example="My slope")
+    document, top, findings = head.document, head.top, head.findings
     particles, spacing = _resolution(top)
     nodes = _on_nodes(top)
     packing = top.choice("packing", PACKINGS, default="random") if "packing" in top or not nodes else "random"
@@ -130,18 +121,14 @@ def parse_case(text: str, folder: Path) -> Case:
     if section is not None and spacing is not None:
         _check_spacing(findings, section, spacing)
     reference = _reference(top)
-    check_allowed(findings, document)
-    if findings.errors:
-        raise InputErrors(findings.in_order())
+    common = head.close()
     # every None below has been reported
-    assert workflow is not None
-    assert title is not None
     assert packing is not None
     assert seed is not None
     assert section is not None
     return Case(
-        workflow=workflow,
-        title=title,
+        **common,
+        workflow="slope",
         particles=particles,
         spacing=spacing,
         packing=packing,
@@ -153,18 +140,7 @@ def parse_case(text: str, folder: Path) -> Case:
         loads=loads,
         materials=materials,
         reference=reference,
-        allow_implausible=findings.allowed,
-        notices=tuple(findings.notices),
-        questions=tuple(findings.questions),
-        text=text,
     )
-
-
-def _workflow(top: Table) -> str | None:
-    if "workflow" not in top:
-        top.missing("workflow", f'Write workflow = "slope". Known: {listed(WORKFLOWS)}.')
-        return None
-    return top.choice("workflow", WORKFLOWS)
 
 
 def _resolution(top: Table) -> tuple[int | None, float | None]:

@@ -131,9 +131,8 @@ class RunFolder:
 
         `head` is what is known before anything is run, "workflow" among it. The clock goes on from what `stored` says.
         """
-        self._begun = time.perf_counter()
         self._before = float(self.stored().get("wall_time_s") or 0.0)
-        self._head = {**head, **self._facts()}
+        self._head = dict(head)
         self.write_case()
         self.stop({})
 
@@ -150,16 +149,22 @@ class RunFolder:
             raise
 
     def seconds(self) -> float:
-        """Wall time of this run and of those that it goes on from [s]."""
+        """Wall time since this was made, and of the runs that are gone on from [s]."""
         return round(self._before + time.perf_counter() - self._begun, 3)
+
+    def whole(self, result: Mapping[str, Any], status: str = "done") -> dict[str, Any]:
+        """A result with all that every run tells: what result.json will hold, for the report that comes before it."""
+        seconds = result.get("wall_time_s") or self.seconds()
+        told = {"wall_time_s": seconds, "status": status, "versions": versions(), **self._mark()}
+        return {**self._head, **result, **told}
 
     def stop(self, result: Mapping[str, Any]) -> dict[str, Any]:
         """Write result.json of a run that is not finished; what it holds."""
-        return self._write(result, "stopped")
+        return write_json(self.path / "result.json", self.whole(result, "stopped"))
 
     def finish(self, result: Mapping[str, Any]) -> dict[str, Any]:
         """Write result.json of a finished run; what it holds. Last of all, so that "done" has all beside it."""
-        return self._write(result, "done")
+        return write_json(self.path / "result.json", self.whole(result))
 
     def keep(self, name: str, tree: Mapping[str, Any]) -> None:
         """Keep a finished part: arrays, plain data (anything JSON can hold) or further trees, by name."""
@@ -179,13 +184,6 @@ class RunFolder:
 
     def _mark(self) -> dict[str, Any]:
         return {"identity": self.identity, "sources_digest": sources_digest()}
-
-    def _facts(self) -> dict[str, Any]:
-        return {**self._mark(), "versions": versions()}
-
-    def _write(self, result: Mapping[str, Any], status: str) -> dict[str, Any]:
-        seconds = {"wall_time_s": self.seconds(), "status": status}
-        return write_json(self.path / "result.json", {**self._head, **result, **self._facts(), **seconds})
 
 
 def resumable(folder: Path) -> bool:

@@ -88,3 +88,13 @@ def headline(result: Mapping[str, Any]) -> str:
 def rounded(value: float) -> str:
     """A length with three digits."""
     return show(float(f"{value:.3g}"), "length")
+
+
+def answer(result: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """What particles there are, in bold, and what they are of every material."""
+    lines = [(headline(result), "")]
+    for row in result["materials"]:
+        size, mass = signed(row["difference_percent"]), signed(row["mass_difference_percent"])
+        told = f"{row['particles']:,}, differ from the source by {size} % in size and {mass} % in mass"
+        lines.append(("", f"  {row['name']}: {told}"))
+    return lines

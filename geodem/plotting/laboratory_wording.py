@@ -84,3 +84,13 @@ def calibration_lines(result: Mapping[str, Any]) -> list[str]:
             f"wanted {rounded(entry['target'], quantity)}"
         )
     return lines
+
+
+def laboratory_answer(result: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Properties of a laboratory's result.json, in bold."""
+    return [(line, "") for line in property_lines(result["properties"])]
+
+
+def calibration_answer(result: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Properties that a calibration came to, in bold."""
+    return [(line, "") for line in calibration_lines(result)]

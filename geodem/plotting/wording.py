@@ -129,6 +129,31 @@ def powers(words: str) -> str:
     return re.sub(r"(\d+(?:\.\d+)?)e([+-]\d+)", written, words)
 
 
+def answer(result: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Factors of a slope's result.json and what stands beside them, each with its words in bold first."""
+    lines = []
+    for entry in result["factors"]:
+        quantity, shown, how = found(entry)
+        meaning = (
+            "" if entry["kind"] == "strength-reduction" else " A load multiplier, not a factor of safety."
+        )
+        lines.append((f"{quantity} {shown}", f" {how}.{meaning}"))
+        flat = entry.get("zero_dilation")
+        if flat is not None:
+            quantity, shown, _ = found({**flat, "kind": entry["kind"]})
+            given = "with a dilation angle of zero (none was given; it was taken equal"
+            lines.append(("", f"  {quantity} {shown} {given}"))
+            lines.append(("", f"  to the friction angle), on {flat['particles']:,} particles"))
+    beside = [f"{neighbour['method']} {neighbour['factor']:.3f}" for neighbour in result["neighbours"]]
+    if result.get("reference"):
+        beside.append(f"published {result['reference']['factor']:g} ({result['reference']['source']})")
+    if beside:
+        lines.append(("", "Beside it: " + ", ".join(beside)))
+    if result["neighbours_why"]:
+        lines.append(("", f"No limit equilibrium beside it: {result['neighbours_why']}"))
+    return lines
+
+
 def seconds(value: object) -> str:
     """A duration: 0.21 s, 14.2 s, 3 min 20 s."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):

@@ -7,7 +7,8 @@ import pytest
 
 from geodem import units
 from geodem.case import parse_case, table
-from geodem.case.data import LAWS, METHODS, PACKINGS, SUPPORTS, WORKFLOWS
+from geodem.case.data import LAWS, METHODS, PACKINGS, SUPPORTS
+from geodem.kinds import KINDS
 from tests.docs.pages import DOCS, tables
 
 PAGE = DOCS / "reference" / "case-file.md"
@@ -128,7 +129,7 @@ def test_what_is_called_required_is(missing, tmp_path):
 
 def test_choices_are_named():
     text = PAGE.read_text()
-    for choice in (*WORKFLOWS, *METHODS, *PACKINGS, *SUPPORTS, *LAWS):
+    for choice in (*KINDS, *METHODS, *PACKINGS, *SUPPORTS, *LAWS):
         assert f'`"{choice}"`' in text, choice
 
 
