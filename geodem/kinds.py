@@ -157,6 +157,13 @@ _ALL = (
         redrawer="laboratory_run:redraw_laboratory",
         checker="laboratory_check:check_tests",
         answerer="plotting.laboratory_wording:laboratory_answer",
+        table={
+            "compressive strength [Pa]": "properties.uniaxial_compressive_strength_Pa.mean",
+            "tensile strength [Pa]": "properties.tensile_strength_Pa.mean",
+            "Young's modulus [Pa]": "properties.young_modulus_Pa.mean",
+            "Poisson's ratio [-]": "properties.poisson_ratio.mean",
+            "friction angle [rad]": "properties.friction_angle_rad.mean",
+        },
         processes=True,
     ),
     Kind(
@@ -168,6 +175,11 @@ _ALL = (
         redrawer="calibration_run:redraw_calibration",
         checker="laboratory_check:check_tests",
         answerer="plotting.laboratory_wording:calibration_answer",
+        table={
+            "compressive strength [Pa]": "properties.uniaxial_compressive_strength.achieved",
+            "tensile strength [Pa]": "properties.tensile_strength.achieved",
+            "Young's modulus [Pa]": "properties.young_modulus.achieved",
+        },
         processes=True,
     ),
     Kind(

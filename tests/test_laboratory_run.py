@@ -55,7 +55,7 @@ def test_result_holds_what_is_promised(result):
         "specimen": dict, "material": dict, "properties": dict, "tests": list, "envelope": dict, "cracks": dict,
         "steps": int, "wall_time_s": float, "compile_time_s": float, "test_time_s": float, "threads": int,
         "seed": int, "versions": dict, "warnings": list, "notices": list, "digest": str, "identity": str,
-        "quick": bool, "command": str,
+        "quick": bool, "command": str, "sources_digest": str,
     }  # fmt: skip
     assert {key: type(value) for key, value in result.items()} == contract
     assert result["status"] == "done"

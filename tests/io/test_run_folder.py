@@ -63,9 +63,14 @@ def test_parts_are_kept_to_the_bit(tmp_path):
     run = folder_of(tmp_path)
     assert run.part("first") is None
     run.claim()
-    with pytest.raises(StoppedError), run.going(HEAD, lambda: {"height_m": 1.0}):
-        run.keep("first", tree)
-        raise StoppedError("stopped")
+
+    def stopped_after_the_first_part() -> None:
+        with run.going(HEAD, lambda: {"height_m": 1.0}):
+            run.keep("first", tree)
+            raise StoppedError("stopped")
+
+    with pytest.raises(StoppedError):
+        stopped_after_the_first_part()
     stopped = read_json(tmp_path / "result.json")
     assert stopped["status"] == "stopped"
     assert stopped["height_m"] == 1.0
