@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, cast
@@ -50,8 +51,10 @@ class GroundBody:
     segmentation: Segmentation | None = None
 
 
-def make_body(case: GroundCase) -> GroundBody:
+def make_body(case: GroundCase, *, spare: Sequence[str] = ()) -> GroundBody:
     """The body of a case.
+
+    `spare`: materials that the source need not have.
 
     Raises
     ------
@@ -66,8 +69,11 @@ def make_body(case: GroundCase) -> GroundBody:
         raise
     except InputError as error:
         keys = {key: key for key in (*SOURCES[source.kind], *source.options)}
-        raise moved(error, place, value=source.file.name, keys=keys) from error
-    errors = mismatches(made.body.materials, tuple(case.materials), "the source")
+        value = source.file.name if source.files else None
+        raise moved(error, place, value=value, keys=keys) from error
+    found = made.body.materials
+    wanted = tuple(name for name in case.materials if name in found or name not in spare)
+    errors = mismatches(found, wanted, "the source")
     if errors:
         raise InputErrors(errors)
     empty = [name for name, size in zip(made.body.materials, made.body.sizes, strict=True) if not size > 0.0]
@@ -200,6 +206,21 @@ def _terrain(source: GroundSource) -> GroundBody:
     return GroundBody(cast("Body", terrain.body(base=o["base"], layers=layers)))
 
 
+def _regions(source: GroundSource) -> GroundBody:
+    from .builders.section import Section
+    from .builders.section_body import SectionBody
+
+    regions = [(name, np.array(corners)) for name, corners in source.options["regions"]]
+    return GroundBody(SectionBody(Section.from_polygons(regions, place="source.regions")))
+
+
+def _box(source: GroundSource) -> GroundBody:
+    from .builders.section_body import box_body
+
+    o = source.options
+    return GroundBody(box_body(o["box"], o["layers"], o.get("origin")))
+
+
 _MAKERS = {
     "image": _image,
     "photograph": _photograph,
@@ -209,4 +230,6 @@ _MAKERS = {
     "solids": _mesh,
     "geometry": _mesh,
     "terrain": _terrain,
+    "regions": _regions,
+    "box": _box,
 }

@@ -102,6 +102,25 @@ _DIMENSIONS: dict[str, _Dimension] = {
         _sizes({"N/m": 1, "kN/m": 1000, "MN/m": "1e6"}),
         (("N/m", 0.0), ("kN/m", 1e3), ("MN/m", 1e6)),
     ),
+    "joint_stiffness": _Dimension(
+        "a stiffness per area (stress per displacement)",
+        "10 GPa/m",
+        _sizes({"Pa/m": 1, "kPa/m": 1000, "MPa/m": "1e6", "GPa/m": "1e9"})
+        | _sizes({"kPa/mm": "1e6", "MPa/mm": "1e9", "GPa/mm": "1e12"}),
+        (("Pa/m", 0.0), ("kPa/m", 1e3), ("MPa/m", 1e6), ("GPa/m", 1e9)),
+    ),
+    "unit_mass": _Dimension(
+        "a mass per length",
+        "4 kg/m",
+        _sizes({"kg/m": 1, "t/m": 1000, "g/m": "1e-3"}),
+        (("kg/m", 0.0),),
+    ),
+    "time": _Dimension(
+        "a time",
+        "0.1 s",
+        _sizes({"s": 1, "ms": "1e-3", "us": "1e-6", "µs": "1e-6", "min": 60, "h": 3600, "d": 86400}),
+        (("s", 0.0),),
+    ),
     "dimensionless": _Dimension(
         "a number without a unit",
         "0.3",
@@ -145,14 +164,15 @@ def parse(text: object, dimension: str, *, place: str) -> float:
         What stands in the file: text such as ``"25 kPa"``; a bare number only where `dimension` has no unit.
     dimension : str
         ``length``, ``area``, ``stress``, ``unit_weight``, ``density``, ``angle``, ``acceleration``,
-        ``velocity``, ``force``, ``line_load``, ``dimensionless`` or ``pixel_scale``.
+        ``velocity``, ``force``, ``line_load``, ``joint_stiffness``, ``unit_mass``,
+        ``time``, ``dimensionless`` or ``pixel_scale``.
     place : str
         Dotted key, for the message.
 
     Returns
     -------
     float
-        [m, m2, Pa, N/m3, kg/m3, rad, m/s2, m/s, N, N/m, -, m/px]; always finite.
+        [m, m2, Pa, N/m3, kg/m3, rad, m/s2, m/s, N, N/m, Pa/m, kg/m, s, -, m/px]; always finite.
 
     Raises
     ------

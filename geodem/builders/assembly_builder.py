@@ -93,6 +93,11 @@ class AssemblyBuilder(JointMethods):
         return len(self._radii)
 
     @property
+    def contact_law(self) -> str:
+        """Name of the contact law."""
+        return str(self._law.NAME)
+
+    @property
     def bond_law(self) -> str | None:
         """Name of the bond law."""
         return None if self._bond_law is None else str(self._bond_law.NAME)

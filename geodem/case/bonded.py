@@ -25,6 +25,19 @@ FIELDS = {
 }
 """Parameters of laws that a material file can hold: those that do not depend on the size of the grains."""
 
+_SPRINGS = {"normal_stiffness": "line_load", "shear_stiffness": "line_load"}
+_DASHPOTS = {"normal_viscosity": "time", "shear_viscosity": "time"}
+PER_CONTACT = {
+    "two_springs": {
+        **_SPRINGS, "tensile_strength": "force", "cohesion": "force", "friction_coefficient": "dimensionless",
+        "width_ratio": "dimensionless", **_DASHPOTS,
+    },
+    "linear_frictional": {**_SPRINGS, "friction_coefficient": "dimensionless", **_DASHPOTS},
+    "linear_incremental": {**_SPRINGS, "friction_coefficient": "dimensionless", **_DASHPOTS},
+}  # fmt: skip
+"""Parameters of laws whose numbers are those of one contact and go with the size of its grains; scenes alone take
+them, as in tables of DICE2D: per metre of depth in 2D."""
+
 COMMON = ("law", "density", "bonding_range", "strength_variation", "strength_distribution", "contact")
 
 _DENSITY = (1000.0, 5100.0)
@@ -36,14 +49,23 @@ _USUAL_FRICTION = 0.5
 _UNLIMITED = "unlimited"
 
 
-def bond_laws() -> tuple[str, ...]:
-    """Laws of bonds that a material file can name."""
-    return tuple(name for name, law in BOND_LAWS.items() if _fits(law))
+def bond_laws(*, per_contact: bool = False) -> tuple[str, ...]:
+    """Laws of bonds that a material file can name; with `per_contact` those of `PER_CONTACT` too."""
+    return tuple(
+        name for name, law in BOND_LAWS.items() if _fits(law) or (per_contact and name in PER_CONTACT)
+    )
 
 
-def contact_laws() -> tuple[str, ...]:
-    """Laws of contacts that a material file can name."""
-    return tuple(name for name, law in CONTACT_LAWS.items() if _fits(law))
+def contact_laws(*, per_contact: bool = False) -> tuple[str, ...]:
+    """Laws of contacts that a material file can name; `per_contact` as of `bond_laws`."""
+    return tuple(
+        name for name, law in CONTACT_LAWS.items() if _fits(law) or (per_contact and name in PER_CONTACT)
+    )
+
+
+def dimension_of(law: str, name: str) -> str:
+    """Dimension of a parameter of a law."""
+    return PER_CONTACT[law][name] if law in PER_CONTACT else FIELDS[name]
 
 
 def material_lines(material: BondedMaterial, *, place: str = "") -> list[str]:
@@ -58,27 +80,35 @@ def material_lines(material: BondedMaterial, *, place: str = "") -> list[str]:
     return [
         f"law = {quoted(material.bond_law)}",
         f"density = {exact(material.density, 'density')}",
-        *(f"{name} = {_written(name, value)}" for name, value in material.bond.items()),
+        *law_lines(material.bond_law, material.bond),
         f"bonding_range = {material.bonding_range!r}",
         f"strength_variation = {material.variation!r}",
         f"strength_distribution = {quoted(material.distribution)}",
         "",
         f"[{contact}]",
         f"law = {quoted(material.contact_law)}",
-        *(f"{name} = {_written(name, value)}" for name, value in material.contact.items()),
+        *law_lines(material.contact_law, material.contact),
     ]
 
 
-def material_keys(content: Mapping[str, Any]) -> tuple[str, ...]:
+def law_lines(law: str, values: Mapping[str, float]) -> list[str]:
+    """One line for each parameter of a law."""
+    return [f"{name} = {_written(law, name, value)}" for name, value in values.items()]
+
+
+def material_keys(content: Mapping[str, Any], *, per_contact: bool = False) -> tuple[str, ...]:
     """Keys of a material: those of every law, and those of the law that it names."""
-    return (*COMMON, *_parameters(BOND_LAWS, content.get("law"), bond_laws()))
+    return (*COMMON, *_parameters(BOND_LAWS, content.get("law"), bond_laws(per_contact=per_contact)))
 
 
-def read_material(table: Table, *, name: str) -> BondedMaterial | None:
-    """The material of a table with the keys `material_keys`; None where something is wrong, which has been told."""
+def read_material(table: Table, *, name: str, per_contact: bool = False) -> BondedMaterial | None:
+    """The material of a table with the keys `material_keys`; None where something is wrong, which has been told.
+
+    `per_contact`: laws of `PER_CONTACT` may be named.
+    """
     findings = table.findings
     before = len(findings.errors)
-    law = table.choice("law", bond_laws())
+    law = table.choice("law", bond_laws(per_contact=per_contact))
     if "law" not in table:
         table.missing("law", f'Write law = "rock". Known: {listed(bond_laws())}.')
     density = table.quantity("density", "density", check=positive)
@@ -100,8 +130,8 @@ def read_material(table: Table, *, name: str) -> BondedMaterial | None:
     distribution: str | None = BondedMaterial.distribution
     if "strength_distribution" in table or variation:
         distribution = table.choice("strength_distribution", DISTRIBUTIONS, default=distribution)
-    bond = _read_law(table, BOND_LAWS[law], {}) if law is not None else None
-    contact_law, contact = _read_contact(table, bond)
+    bond = read_law(table, BOND_LAWS[law], {}) if law is not None else None
+    contact_law, contact = read_contact(table, bond, per_contact=per_contact)
     if bond is not None:
         _doubt_bond(table, bond)
     if len(findings.errors) > before:
@@ -126,38 +156,46 @@ def read_material(table: Table, *, name: str) -> BondedMaterial | None:
     )
 
 
-def _read_contact(table: Table, bond: Mapping[str, float] | None) -> tuple[str, dict[str, float] | None]:
-    """The law of contacts: what it shares with the bond is the bond's where it is left out."""
+def read_contact(
+    table: Table, bond: Mapping[str, float] | None, *, per_contact: bool = False
+) -> tuple[str, dict[str, float] | None]:
+    """The law of contacts: what it shares with the bond is the bond's where it is left out.
+
+    `bond`: None where it is wrong, empty where there is none.
+    """
     usual = BondedMaterial.contact_law
+    if per_contact and table.content.get("law") in PER_CONTACT:
+        usual = "linear_frictional"
+    laws = contact_laws(per_contact=per_contact)
     content = table.content.get("contact", {})
     named = content.get("law", usual) if isinstance(content, dict) else usual
-    known = ("law", *_parameters(CONTACT_LAWS, named, contact_laws()))
+    known = ("law", *_parameters(CONTACT_LAWS, named, laws))
     if "contact" in table:
         inner = table.sub("contact", known, example='[contact] with law = "effective_modulus"')
         if inner is None:
             return usual, None
     else:
         inner = Table(table.findings, table.at("contact"), {}, known)
-    law = inner.choice("law", contact_laws(), default=usual)
+    law = inner.choice("law", laws, default=usual)
     if law is None:
         return usual, None
     fields = CONTACT_LAWS[law].PARAMETERS._fields
     # where the bond is wrong, what would be taken from it is not missing as well
-    shared = bond if bond is not None else dict.fromkeys(FIELDS, math.nan)
+    shared = bond if bond is not None else dict.fromkeys(fields, math.nan)
     taken = {key: value for key, value in shared.items() if key in fields and "friction" not in key}
     if "friction_coefficient" in fields:
         taken["friction_coefficient"] = _USUAL_FRICTION
-    return law, _read_law(inner, CONTACT_LAWS[law], taken)
+    return law, read_law(inner, CONTACT_LAWS[law], taken)
 
 
-def _read_law(table: Table, law: ModuleType, usual: Mapping[str, float]) -> dict[str, float] | None:
+def read_law(table: Table, law: ModuleType, usual: Mapping[str, float]) -> dict[str, float] | None:
     """Parameters of a law; those left out take the value of `usual`, or the law's own default, and that is noted."""
     findings = table.findings
     before = len(findings.errors)
     values: dict[str, float] = {}
     for name in law.PARAMETERS._fields:
         if name in table:
-            value = _read_parameter(table, name)
+            value = _read_parameter(table, law.NAME, name)
             if value is not None:
                 values[name] = value
             continue
@@ -167,9 +205,9 @@ def _read_law(table: Table, law: ModuleType, usual: Mapping[str, float]) -> dict
             if math.isnan(defaults[name]):
                 continue
             why = "as the bond's" if name in usual and name != "friction_coefficient" else ""
-            findings.default(table.at(name), _written(name, defaults[name]), why=why)
+            findings.default(table.at(name), _written(law.NAME, name, defaults[name]), why=why)
         else:
-            table.missing(name, f"Write {name} = {_EXAMPLES[name]}.")
+            table.missing(name, f"Write {name} = {_example(law.NAME, name)}.")
     if len(findings.errors) > before:
         return None
     for fault in law.check(law.PARAMETERS(**values)):
@@ -179,11 +217,24 @@ def _read_law(table: Table, law: ModuleType, usual: Mapping[str, float]) -> dict
     return values
 
 
-def _read_parameter(table: Table, name: str) -> float | None:
+def read_parameters(table: Table, law: ModuleType) -> dict[str, float]:
+    """Those parameters of a law that a table has; what is out of range is told."""
+    found = {}
+    for name in law.PARAMETERS._fields:
+        value = _read_parameter(table, law.NAME, name) if name in table else None
+        if value is not None:
+            found[name] = value
+            if value < 0.0:
+                table.error(name, "this must not be negative", "Give 0 or more.")
+    return found
+
+
+def _read_parameter(table: Table, law: str, name: str) -> float | None:
     value = table.content[name]
-    if name.endswith("_strength") and isinstance(value, str) and value.strip().lower() == _UNLIMITED:
+    strength = name.endswith("_strength") or name == "cohesion"
+    if strength and isinstance(value, str) and value.strip().lower() == _UNLIMITED:
         return math.inf
-    found = table.quantity(name, FIELDS[name])
+    found = table.quantity(name, dimension_of(law, name))
     if found is not None and "friction" in name and found > _LARGEST_COEFFICIENT:
         meant = f"Did you mean {math.tan(math.radians(found)):.3g}, the tangent of {found:g} deg?"
         remedy = meant if found < 89.0 else "It is the tangent of the friction angle."
@@ -239,8 +290,15 @@ def _variation(value: float) -> tuple[str, str] | None:
     )
 
 
-def _written(name: str, value: float) -> str:
-    return quoted(_UNLIMITED) if math.isinf(value) else number(value, FIELDS[name])
+def _written(law: str, name: str, value: float) -> str:
+    return quoted(_UNLIMITED) if math.isinf(value) else number(value, dimension_of(law, name))
+
+
+def _example(law: str, name: str) -> str:
+    dimension = dimension_of(law, name)
+    if law in PER_CONTACT and dimension != "dimensionless":
+        return {"line_load": '"1000 MN/m"', "force": '"100 kN"', "time": '"0 s"'}[dimension]
+    return _EXAMPLES[name]
 
 
 def number(value: float, dimension: str) -> str:
@@ -262,4 +320,5 @@ _EXAMPLES = {
     "residual_friction_coefficient": "0.5",
     "moment_contribution": "0.0",
     "radius_factor": "1.0",
+    "width_ratio": "0.5",
 }

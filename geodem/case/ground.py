@@ -19,9 +19,10 @@ class GroundSource:
     kind : str
         A key of `geodem.case.ground_source.SOURCES`.
     files : mapping of str to pathlib.Path
-        Absolute; of solids by material, else one by the name of the kind.
+        Absolute; of solids by material, else one by the name of the kind; none of what is drawn in the case.
     options : mapping
-        Values of the other keys, SI; those of `SOURCES` that the case leaves out and that have a default, too.
+        Values of the keys, the kind's own too where it has no file, SI; those of `SOURCES` that the case leaves out and
+        that have a default, too.
     """
 
     kind: str
@@ -30,8 +31,17 @@ class GroundSource:
 
     @property
     def file(self) -> Path:
-        """The file, or the first of several."""
+        """The file, or the first of several; what is drawn has none."""
         return next(iter(self.files.values()))
+
+    @property
+    def dimension(self) -> int | None:
+        """2 or 3; None where the file tells."""
+        if self.kind in ("image", "photograph", "regions"):
+            return 2
+        if self.kind == "box":
+            return len(self.options["box"])
+        return 3 if self.kind in ("slices", "grid", "solids", "terrain") else None
 
     @property
     def materials(self) -> tuple[str, ...] | None:
@@ -40,6 +50,8 @@ class GroundSource:
             return tuple(self.files)
         if "legend" in self.options:
             return tuple(dict.fromkeys(self.options["legend"].values()))
+        if "regions" in self.options:
+            return tuple(dict.fromkeys(name for name, _ in self.options["regions"]))
         if "materials" in self.options:
             return tuple(dict.fromkeys(name for name in self.options["materials"] if name is not None))
         if "layers" in self.options:

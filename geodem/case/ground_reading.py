@@ -58,7 +58,7 @@ def parse_ground(text: str, folder: Path) -> GroundCase:
     defined = top.content.get("material")
     names = tuple(defined) if isinstance(defined, dict) else ()
     source = read_source(top, folder, names)
-    particles = _particles(top)
+    particles = read_particles(top)
     materials = _materials(top, folder, names)
     if source is not None and source.materials is not None:
         findings.errors += mismatches(source.materials, names, "the source")
@@ -90,7 +90,8 @@ def mismatches(found: tuple[str, ...], defined: tuple[str, ...], what: str) -> l
     ]  # fmt: skip
 
 
-def _particles(top: Table) -> ParticleOptions | None:
+def read_particles(top: Table) -> ParticleOptions | None:
+    """The table [particles]; None where something is wrong, which has then been told."""
     findings = top.findings
     before = len(findings.errors)
     if "particles" not in top:
@@ -197,7 +198,7 @@ def _materials(top: Table, folder: Path, names: tuple[str, ...]) -> dict[str, Gr
 def _material(name: str, table: Table, folder: Path, given: bool) -> GroundGrains | None:
     findings = table.findings
     before = len(findings.errors)
-    density = _density(table)
+    density = read_density(table)
     bonded: BondedMaterial | None = None
     if "file" in table:
         if given:
@@ -205,7 +206,7 @@ def _material(name: str, table: Table, folder: Path, given: bool) -> GroundGrain
             table.error(
                 others[0], "the file of the material has it, too", f"Remove {others[0]}, or remove file."
             )
-        bonded = _of_file(table, folder)
+        bonded = material_of_file(table, folder)
     elif given:
         inner = {key: value for key, value in table.content.items() if key not in MATERIAL_KEYS}
         if density is not None:
@@ -226,7 +227,8 @@ def _material(name: str, table: Table, folder: Path, given: bool) -> GroundGrain
     )
 
 
-def _density(table: Table) -> float | None:
+def read_density(table: Table) -> float | None:
+    """Density of the ground, given so or by its unit weight; None where it is neither, or wrong."""
     if "density" in table and "unit_weight" in table:
         table.error("unit_weight", "density and unit_weight are both given", "Keep one of the two.")
         return None
@@ -246,7 +248,8 @@ def _density(table: Table) -> float | None:
     return density
 
 
-def _of_file(table: Table, folder: Path) -> BondedMaterial | None:
+def material_of_file(table: Table, folder: Path) -> BondedMaterial | None:
+    """The material of the file that the key `file` names; None where it is wrong, which has then been told."""
     path = find_file(table, "file", folder)
     if path is None:
         return None

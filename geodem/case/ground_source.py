@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from geodem import units
+from geodem.case import drawn_source
 from geodem.case.ground import GroundSource
 from geodem.case.section import positive, read_background, read_legend
-from geodem.case.source_files import LENGTH_UNITS, existing, find_file, read_names
+from geodem.case.source_files import LENGTH_UNITS, existing, find_file, read_lengths, read_names
 from geodem.case.table import Table, listed
 from geodem.case.terrain_section import read_base, read_degrees, read_holes, read_place, read_strata
 
@@ -24,8 +25,13 @@ SOURCES = {
     "solids": ("length_unit",),
     "geometry": ("length_unit", "names", "size"),
     "terrain": ("base", "layers", "degrees", "holes", "cut_out"),
+    "regions": ("length_unit",),
+    "box": ("origin", "layers"),
 }
 """What a body can be made from, and the keys that go with each."""
+
+DRAWN = ("regions", "box")
+"""Those that need no file."""
 
 KEYS = tuple(dict.fromkeys(key for kind, keys in SOURCES.items() for key in (kind, *keys)))
 EXAMPLE = 'image = "section.png" with scale and legend'
@@ -56,11 +62,13 @@ def read_source(top: Table, folder: Path, materials: tuple[str, ...]) -> GroundS
     _refuse_foreign(table, kind)
     if kind == "solids":
         files = _solids(table, folder)
+    elif kind in DRAWN:
+        files = {}
     else:
         path = find_file(table, kind, folder, folders=kind == "slices")
         files = {} if path is None else {kind: path}
     options = _READERS[kind](table, materials)
-    if not files or len(findings.errors) > before:
+    if (not files and kind not in DRAWN) or len(findings.errors) > before:
         return None
     return GroundSource(kind, files, {key: value for key, value in options.items() if value is not None})
 
@@ -100,7 +108,7 @@ def _image(table: Table, materials: tuple[str, ...]) -> dict[str, Any]:
         "scale": _scale(table),
         "legend": legend or None,
         "background": read_background(table, legend),
-        "origin": _lengths(table, "origin", 2),
+        "origin": read_lengths(table, "origin", 2),
     }
 
 
@@ -111,15 +119,15 @@ def _scale(table: Table) -> float | None:
 
 
 def _photograph(table: Table, materials: tuple[str, ...]) -> dict[str, Any]:
-    return {"scale": _scale(table), **_brightness(table), "origin": _lengths(table, "origin", 2)}
+    return {"scale": _scale(table), **_brightness(table), "origin": read_lengths(table, "origin", 2)}
 
 
 def _slices(table: Table, materials: tuple[str, ...]) -> dict[str, Any]:
-    options: dict[str, Any] = {"origin": _lengths(table, "origin", 3)}
+    options: dict[str, Any] = {"origin": read_lengths(table, "origin", 3)}
     if "voxel" not in table:
         table.missing("voxel", 'Write voxel = "0.1 mm", or ["0.1 mm", "0.1 mm", "0.5 mm"] along x, y and z.')
     elif isinstance(table.content["voxel"], list):
-        options["voxel"] = _lengths(table, "voxel", 3, above_zero=True)
+        options["voxel"] = read_lengths(table, "voxel", 3, above_zero=True)
     else:
         side = table.quantity("voxel", "length", check=positive)
         options["voxel"] = None if side is None else (side,) * 3
@@ -212,6 +220,8 @@ _READERS: dict[str, Callable[[Table, tuple[str, ...]], dict[str, Any]]] = {
     "solids": _mesh,
     "geometry": _mesh,
     "terrain": _terrain,
+    "regions": drawn_source.read_regions,
+    "box": drawn_source.read_box,
 }
 
 
@@ -245,27 +255,6 @@ def _check_parts(table: Table, cuts: tuple[float, ...] | None, names: tuple[str 
     if cuts is not None and names and len(names) != len(cuts) + 1:
         problem = f"{len(cuts)} thresholds part {len(cuts) + 1} materials, these are {len(names)}"
         table.error("materials", problem, f'Name one for each part, "{NOTHING}" for what is no ground.')
-
-
-def _lengths(table: Table, key: str, count: int, *, above_zero: bool = False) -> tuple[float, ...] | None:
-    """Lengths with their units; None where they are left out or wrong."""
-    if key not in table:
-        return None
-    places = ", ".join(['"0 m"'] * count)
-    example = f"[{places}]" if key == "origin" else '["1 mm", "1 mm", "2 mm"]'
-    entries = table.items(key, example=example)
-    if len(entries) != count:
-        if isinstance(table.content[key], list):
-            table.error(key, f"{count} lengths are needed here", f"Write {key} = {example}.")
-        return None
-    row = Table(
-        table.findings,
-        table.at(key),
-        {str(k): v for k, v in enumerate(entries)},
-        tuple(map(str, range(count))),
-    )
-    values = [row.quantity(str(k), "length", check=positive if above_zero else None) for k in range(count)]
-    return tuple(v for v in values if v is not None) if None not in values else None
 
 
 def _not_negative(value: float) -> tuple[str, str] | None:

@@ -7,7 +7,7 @@ from typing import Any
 
 from geodem.case.bonded import exact, material_lines
 from geodem.case.ground import GroundCase, GroundGrains, GroundSource, ParticleOptions
-from geodem.case.ground_source import NOTHING, SOURCES
+from geodem.case.ground_source import DRAWN, NOTHING, SOURCES
 from geodem.case.table import join, quoted
 
 _DIMENSIONS = {"scale": "pixel_scale", "base": "length", "size": "length"}
@@ -20,26 +20,40 @@ def ground_text(case: GroundCase) -> str:
     if case.allow_implausible:
         allowed = dict.fromkeys(key.replace(".unit_weight", ".density") for key in case.allow_implausible)
         lines.append(f"allow_implausible = [{', '.join(map(quoted, allowed))}]")
-    lines += ["", *_source(case.source), "", *_particles(case.particles)]
+    lines += ["", *source_lines(case.source), "", *particle_lines(case.particles)]
     for material in case.materials.values():
         lines += ["", *_material(material)]
     return "\n".join(lines) + "\n"
 
 
-def _source(source: GroundSource) -> list[str]:
+def source_lines(source: GroundSource) -> list[str]:
+    """The table [source]."""
     lines = ["[source]"]
-    if source.kind == "solids":
+    if source.kind in DRAWN:
+        lines.append(f"{source.kind} = {_drawn(source.kind, source.options[source.kind])}")
+    elif source.kind == "solids":
         named = ", ".join(f"{_key(name)} = {quoted(str(path))}" for name, path in source.files.items())
         lines.append(f"solids = {{{named}}}")
     else:
         lines.append(f"{source.kind} = {quoted(str(source.file))}")
+    thick = "thickness" if source.kind == "box" else "depth"
     for key in SOURCES[source.kind]:
         if key in source.options:
-            lines.append(f"{key} = {_written(key, source.options[key])}")
+            lines.append(f"{key} = {_written(key, source.options[key], thick)}")
     return lines
 
 
-def _written(key: str, value: Any) -> str:
+def _drawn(kind: str, value: Any) -> str:
+    if kind == "box":
+        return f"[{', '.join(exact(side, 'length') for side in value)}]"
+    rows = [
+        f"{{material = {quoted(name)}, polygon = [{', '.join(f'[{x!r}, {y!r}]' for x, y in corners)}]}}"
+        for name, corners in value
+    ]
+    return "[\n" + "".join(f"  {row},\n" for row in rows) + "]"
+
+
+def _written(key: str, value: Any, thick: str) -> str:
     if key in _DIMENSIONS:
         return exact(value, _DIMENSIONS[key])
     if key in _LENGTHS:
@@ -47,7 +61,7 @@ def _written(key: str, value: Any) -> str:
     if key == "layers":
         rows = [
             f"{{material = {quoted(name)}"
-            + ("" if math.isinf(depth) else f", depth = {exact(depth, 'length')}")
+            + ("" if math.isinf(depth) else f", {thick} = {exact(depth, 'length')}")
             + "}"
             for name, depth in value
         ]
@@ -71,7 +85,8 @@ def _key(name: str) -> str:
     return join("", name)
 
 
-def _particles(options: ParticleOptions) -> list[str]:
+def particle_lines(options: ParticleOptions) -> list[str]:
+    """The table [particles]."""
     lines = ["[particles]", f"arrangement = {quoted(options.arrangement)}"]
     if options.radius is not None:
         lines.append(f"radius = {exact(options.radius, 'length')}")

@@ -29,7 +29,7 @@ KEYS = (
     "layers",
     "thin",
 )
-_REGION_EXAMPLE = '{material = "soil", polygon = [[0, 0], [10, 0], [10, 5]]}'
+REGION_EXAMPLE = '{material = "soil", polygon = [[0, 0], [10, 0], [10, 5]]}'
 _REFINE_EXAMPLE = '{material = "seam", spacing = "0.2 m"}'
 _COLOUR = re.compile(r"#?([0-9a-fA-F]{3}|[0-9a-fA-F]{6})")
 
@@ -84,14 +84,14 @@ def read_section(
     `materials`: names of the tables of materials.
     """
     findings = top.findings
-    table = top.sub("section", KEYS, example=f"[section] with regions = [{_REGION_EXAMPLE}]")
+    table = top.sub("section", KEYS, example=f"[section] with regions = [{REGION_EXAMPLE}]")
     if table is None:
         if "section" not in top:
             top.missing(
-                "section", f'Add [section] with regions = [{_REGION_EXAMPLE}] or image = "section.png".'
+                "section", f'Add [section] with regions = [{REGION_EXAMPLE}] or image = "section.png".'
             )
         return None, Coordinates("m")
-    coordinates = Coordinates(_length_unit(table))
+    coordinates = Coordinates(read_length_unit(table))
     before = len(findings.errors)
     kinds = [kind for kind in _OWN_KEYS if kind in table]
     section: SectionOptions | None = None
@@ -106,7 +106,7 @@ def read_section(
             problem = f"{', '.join(kinds[:-1])} and {kinds[-1]} are given"
         findings.error(
             table.place, problem,
-            f'Give exactly one: regions = [{_REGION_EXAMPLE}], image = "section.png", mesh = "section.msh" or '
+            f'Give exactly one: regions = [{REGION_EXAMPLE}], image = "section.png", mesh = "section.msh" or '
             'terrain = "heights.npz".',
         )  # fmt: skip
     else:
@@ -140,7 +140,8 @@ def _refuse_foreign_keys(table: Table, kind: str) -> None:
                 )  # fmt: skip
 
 
-def _length_unit(table: Table) -> str:
+def read_length_unit(table: Table) -> str:
+    """Unit of bare coordinates."""
     if "length_unit" not in table:
         table.findings.default(table.at("length_unit"), '"m"', why="coordinates are metres")
         return "m"
@@ -199,23 +200,24 @@ def _refinement(row: Table, coordinates: Coordinates) -> Refinement | None:
 
 
 def _regions(table: Table, coordinates: Coordinates, options: dict[str, Any]) -> RegionSection | None:
-    rows = table.rows("regions", ("material", "polygon"), example=_REGION_EXAMPLE)
+    rows = table.rows("regions", ("material", "polygon"), example=REGION_EXAMPLE)
     if not rows and isinstance(table.content["regions"], list) and not table.content["regions"]:
-        table.error("regions", "there is no region", f"Write regions = [{_REGION_EXAMPLE}].")
+        table.error("regions", "there is no region", f"Write regions = [{REGION_EXAMPLE}].")
     regions = []
     for row in rows:
         material = row.text("material", remedy="Name a material that has its own [material.NAME].")
         if "material" not in row:
-            row.missing("material", f"Write {_REGION_EXAMPLE}.")
-        polygon = _polygon(row, coordinates)
+            row.missing("material", f"Write {REGION_EXAMPLE}.")
+        polygon = read_polygon(row, coordinates)
         if material is not None and polygon is not None:
             regions.append((material, polygon))
     return RegionSection(regions=tuple(regions), **options) if regions else None
 
 
-def _polygon(row: Table, coordinates: Coordinates) -> np.ndarray | None:
+def read_polygon(row: Table, coordinates: Coordinates) -> np.ndarray | None:
+    """Corners [m] of the key `polygon`, or None where they are none, which has then been told."""
     if "polygon" not in row:
-        row.missing("polygon", f"Write {_REGION_EXAMPLE}.")
+        row.missing("polygon", f"Write {REGION_EXAMPLE}.")
         return None
     corners = row.items("polygon", example="[[0, 0], [10, 0], [10, 5]]")
     if not isinstance(row.content["polygon"], list):

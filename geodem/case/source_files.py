@@ -76,6 +76,31 @@ def read_named_material(table: Table, key: str, example: str) -> str | None:
     return table.text(key, remedy=f"Name a material, as in {example}.")
 
 
+def read_lengths(table: Table, key: str, count: int, *, above_zero: bool = False) -> tuple[float, ...] | None:
+    """Lengths with their units; None where they are left out or wrong."""
+    if key not in table:
+        return None
+    places = ", ".join(['"0 m"'] * count)
+    example = f"[{places}]" if key == "origin" else '["1 mm", "1 mm", "2 mm"]'
+    entries = table.items(key, example=example)
+    if len(entries) != count:
+        if isinstance(table.content[key], list):
+            table.error(key, f"{count} lengths are needed here", f"Write {key} = {example}.")
+        return None
+    row = Table(
+        table.findings,
+        table.at(key),
+        {str(k): v for k, v in enumerate(entries)},
+        tuple(map(str, range(count))),
+    )
+    values = [row.quantity(str(k), "length", check=_above_zero if above_zero else None) for k in range(count)]
+    return tuple(v for v in values if v is not None) if None not in values else None
+
+
+def _above_zero(value: float) -> tuple[str, str] | None:
+    return None if value > 0.0 else ("this must be above zero", "Give a positive value.")
+
+
 def read_or_tell(
     findings: Findings, place: str, read: Callable[[], Read], *, value: object, keys: Mapping[str, str] = {}
 ) -> Read | None:
