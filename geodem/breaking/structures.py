@@ -19,8 +19,8 @@ from ..errors import InputError
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-CLOSED = 1.0
-"""Mean diameters up to which the ends of a lining are taken to meet."""
+JOINT_LAW = "smooth_joint"
+"""Law of joints: the one whose numbers are those of the joint, whatever the particles."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,8 +146,8 @@ def cut_joints(build: AssemblyBuilder, plans: Sequence[JointPlan], bounds: Float
     own: list[Joint] = []
     kept: list[list[Joint]] = []
     for plan in plans:
-        build.add_joint_material(plan.name, **plan.parameters)
-        inside = [cut for joint in plan.joints if (cut := clipped(joint, bounds)) is not None]
+        build.add_joint_material(plan.name, law=JOINT_LAW, **plan.parameters)
+        inside = [part for joint in plan.joints if (part := clipped(joint, bounds)) is not None]
         if not inside:
             raise InputError(
                 f"joint {plan.name!r}",
@@ -159,9 +159,7 @@ def cut_joints(build: AssemblyBuilder, plans: Sequence[JointPlan], bounds: Float
         own += named
     if not own:
         return {}
-    before = build.particles
     cut = build.cut(own, within=1.05)
-    assert build.particles == before
     found: dict[str, JointFacts] = {}
     first = 0
     for plan, joints in zip(plans, kept, strict=True):

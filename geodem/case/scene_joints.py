@@ -56,7 +56,7 @@ def read_joint_sets(top: Table, places: Places) -> tuple[JointSetOptions, ...]:
         name = row.text("name", remedy='Write name = "bedding".') or f"joint set {number + 1}"
         parameters = _parameters(row, SET_EXAMPLE)
         flat = places.dimension == 2
-        turned = _direction(row, flat, SET_EXAMPLE)
+        angle, dip, towards = _direction(row, flat, SET_EXAMPLE)
         spacing = row.quantity("spacing", "length", check=positive)
         if "spacing" not in row:
             row.missing("spacing", f"Write {SET_EXAMPLE}.")
@@ -75,7 +75,8 @@ def read_joint_sets(top: Table, places: Places) -> tuple[JointSetOptions, ...]:
         found.append(
             JointSetOptions(
                 name, spacing, parameters, trace=trace, gap=gap, origin=origin, seed=1 if seed is None else seed,
-                **turned, **{key: value or 0.0 for key, value in scatters.items()},
+                angle=angle, dip=dip, dip_direction=towards,
+                **{key: value or 0.0 for key, value in scatters.items()},
             )
         )  # fmt: skip
     return tuple(found)
@@ -117,13 +118,16 @@ def read_place(row: Table, places: Places, example: str) -> FacePlace | None:
     radius = row.quantity("radius", "length", check=positive)
     if "radius" not in row:
         row.findings.default(row.at("radius"), "none", why="it runs through the whole ground")
-    turned = _direction(row, places.dimension == 2 or (centre is not None and len(centre) == 2), example)
+    angle, dip, towards = _direction(
+        row, places.dimension == 2 or (centre is not None and len(centre) == 2), example
+    )
     if centre is None or len(row.findings.errors) > before:
         return None
-    return FacePlace(centre=centre, radius=math.inf if radius is None else radius, **turned)
+    size = math.inf if radius is None else radius
+    return FacePlace(centre=centre, radius=size, angle=angle, dip=dip, dip_direction=towards)
 
 
-def _direction(row: Table, flat: bool, example: str) -> dict[str, float | None]:
+def _direction(row: Table, flat: bool, example: str) -> tuple[float | None, float | None, float | None]:
     """Angle in 2D, dip and dip direction in 3D [rad]."""
     angle = row.quantity("angle", "angle")
     dip, towards = row.quantity("dip", "angle", check=_dip), row.quantity("dip_direction", "angle")
@@ -136,14 +140,14 @@ def _direction(row: Table, flat: bool, example: str) -> dict[str, float | None]:
         if "angle" not in row:
             row.missing("angle", f"Write {example}.")
     elif "angle" in row and "dip" not in row:
-        return {"angle": angle}
+        return angle, None, None
     else:
         for key in ("dip", "dip_direction"):
             if key not in row:
                 row.missing(
                     key, 'Write dip = "40 deg" and dip_direction = "120 deg", clockwise from north (y).'
                 )
-    return {"angle": angle} if flat else {"dip": dip, "dip_direction": towards}
+    return (angle, None, None) if flat else (None, dip, towards)
 
 
 def _trace(row: Table) -> tuple[float, float]:
