@@ -26,6 +26,7 @@ from geodem.particle_simulation import ParticleSimulation, Sleep
 
 from .. import ours, scenes
 from ..results_file import Row
+from .bond_laws import cost_of_bond_laws
 from .checks import Results, check, in_turn, ratios
 
 NAME = "features"
@@ -283,7 +284,7 @@ def _on_threads(simulation: ParticleSimulation, threads: int, seconds: float) ->
     return run
 
 
-PARTS = ("cost", "first", "sleep", "search", "threads")
+PARTS = ("cost", "bonds", "first", "sleep", "search", "threads")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -305,6 +306,9 @@ def main(arguments: argparse.Namespace) -> int:
     set_threads(1)
     parts = {
         "cost": lambda: cost_of_features(few, seconds, rounds, arguments.features),
+        "bonds": lambda: cost_of_bond_laws(
+            {2: (few / 2.1) ** 0.5, 3: (few / 1.8) ** (1.0 / 3.0)}, rounds, lambda s: stepping(s, seconds)
+        ),
         "first": lambda: first_calls(min(few, 1000), rounds),
         "sleep": lambda: cost_of_sleep(count, seconds, rounds),
         "search": lambda: cost_of_search(count, seconds, rounds),

@@ -10,7 +10,7 @@ import pytest
 
 from reference import limits, results_file
 from reference.backends import BACKENDS
-from reference.benchmarks import alternating, checks, features, frontier, large, peers, statics
+from reference.benchmarks import alternating, bond_laws, checks, features, frontier, large, peers, statics
 from reference.benchmarks import limits as limits_benchmark
 
 
@@ -109,6 +109,13 @@ def test_features_and_searches_are_timed(monkeypatch, tmp_path):
     for row in rows.values():
         ((first, second),) = row["seconds"]
         assert row["measured"] == pytest.approx(second / first)
+
+
+def test_bond_laws_are_compared_on_the_same_pairs():
+    simulations = [bond_laws.bonded_specimen(2, 8.0, law) for law in bond_laws.LAWS]
+    assert [s.features.bond_law for s in simulations] == list(bond_laws.LAWS)
+    assert len({s.pairs.pairs for s in simulations}) == 1
+    assert len({len(s.assembly.bonds) for s in simulations}) == 1
 
 
 def test_features_differ_by_what_they_are_called():
