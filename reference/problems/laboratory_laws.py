@@ -90,7 +90,7 @@ LAWS = (
     rock(6.0, 40.0),
     *(rock(4.0, 45.0, reach=reach) for reach in (1.05, 1.2, 1.35, 1.5)),
     GRANITE,
-    flat_joint(10.0, 0.0, 1.0),
+    flat_joint(10.0, 0.0, 1.05),
     flat_joint(10.0, 0.0, 1.25),
 )
 

@@ -28,8 +28,8 @@ def run() -> list[Row]:
     answers = measure_all([*usual, *half])
     ratio = paired(answers, half, usual)
     quantity = (
-        f"compressive strength at half the time step, over that at the usual one; deviation {100.0 * ratio.deviation:.2g} %, "
-        f"error {100.0 * ratio.error:.2g} %, {ratio.number} specimens"
+        "compressive strength at half the time step, over that at the usual one; "
+        f"deviation {100.0 * ratio.deviation:.2g} %, error {100.0 * ratio.error:.2g} %, {ratio.number} specimens"
     )
     spent = seconds(answers, [*usual, *half])
     return [
