@@ -15,8 +15,8 @@ from .builders.body import Body
 from .builders.body_filling import BodyFilling
 from .builders.fill_body import fill_body
 from .case.ground import GroundCase, GroundSource
-from .case.ground_reading import MANY, mismatches
 from .case.ground_source import SOURCES
+from .case.ground_tables import MANY, mismatches
 from .case.source_files import metres, moved
 from .case.table import join
 from .errors import InputError, InputErrors

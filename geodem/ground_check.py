@@ -22,6 +22,7 @@ def check_ground(case: GroundCase, picture: Path, console: Console) -> dict[str,
     from .io.files import write_whole
     from .plotting import ground_wording as words
     from .plotting.ground_pictures import check_figure
+    from .plotting.scene_wording import scene_rows
 
     begun = time.perf_counter()
     ground = make_ground(case)
@@ -37,7 +38,8 @@ def check_ground(case: GroundCase, picture: Path, console: Console) -> dict[str,
     for k, name in enumerate(header[1:], start=1):
         table.add_row(escaped(name), *(row[k] for row in rows))
     console.print(table)
-    for name, value in (*words.contact_rows(result), *words.cost_rows(result)):
+    scenic = scene_rows(result["scene"]) if "scene" in result else []
+    for name, value in (*scenic, *words.contact_rows(result), *words.cost_rows(result)):
         console.print(f"{name[0].upper()}{name[1:]}: {escaped(value)}")
     named = ", ".join(f"{entry['name']} ({entry['facets']:,})" for entry in result["surfaces"])
     if named:
@@ -46,7 +48,7 @@ def check_ground(case: GroundCase, picture: Path, console: Console) -> dict[str,
     for text in result["warnings"]:
         console.print(f"[yellow]note[/] {escaped(text)}")
     try:
-        drawn = check_figure(ground.filling, ground.surfaces, title=case.title)
+        drawn = check_figure(ground.filling, ground.surfaces, title=case.title, scene=ground.scene)
     except InputError as error:
         console.print(f"[yellow]note[/] no picture: {escaped(f'{error.problem}. {error.remedy}')}")
     else:

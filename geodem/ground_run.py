@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from .breaking.facts import scene_facts
+from .breaking.scene import BondedScene
 from .builders.body import Surface
 from .builders.body_filling import BodyFilling
 from .builders.body_filling_file import load_filling, save_filling
@@ -24,6 +26,7 @@ from .io.run_folder import RunFolder
 from .plotting.ground_pictures import ground_pictures
 from .plotting.ground_report import write_ground_report
 from .run_progress import RunUpdate
+from .scene_building import make_filling, scene_of
 
 QUICK_PARTICLES = 2000
 FILLING = "filling.npz"
@@ -46,6 +49,7 @@ class Ground:
     made: GroundBody
     filling: BodyFilling
     result: dict[str, Any]
+    scene: BondedScene | None = None
 
     @property
     def surfaces(self) -> Sequence[Surface]:
@@ -73,14 +77,23 @@ def make_ground(
             watch(RunUpdate("build", words))
 
     stage(f"reading the {case.source.kind}")
-    made = make_body(case)
-    stage("placing particles")
-    filling = fill(case, made.body)
+    if case.scene is None:
+        made = make_body(case)
+        stage("placing particles")
+        filling = fill(case, made.body)
+        scene = None
+    else:
+        own = replace(case.scene, source=case.source, particles=case.particles)
+        made, filling = make_filling(own, title=case.title, allow_implausible=case.allow_implausible)
+        stage("cutting joints, setting bolts")
+        scene = scene_of(own, made.body, filling)
     stage("looking at contacts and cost")
     price = cost(case, filling)
     result = assemble(case, made, filling, price)
+    if scene is not None:
+        result |= {"scene": scene_facts(scene), "warnings": [*result["warnings"], *scene.warnings]}
     stage("drawing")
-    return Ground(made, filling, result)
+    return Ground(made, filling, result, scene)
 
 
 def run_ground(
@@ -160,7 +173,7 @@ def _write(ground: Ground, run: RunFolder, facts: dict[str, Any]) -> dict[str, A
     made = ground.made
     pictures, undrawn = ground_pictures(
         filling, ground.surfaces, title=ground.result["title"], picture=made.picture,
-        segmentation=made.segmentation,
+        segmentation=made.segmentation, scene=ground.scene,
     )  # fmt: skip
     warnings = {"warnings": [*ground.result["warnings"], *undrawn]}
     result = run.whole(ground.result | facts | warnings)
@@ -191,10 +204,14 @@ def redraw_ground(folder: Path, case: GroundCase) -> Path:
     filling = load_filling(folder / FILLING)
     surfaces = read_surfaces(folder / SURFACES) if (folder / SURFACES).is_file() else ()
     photograph = make_body(case) if case.source.kind == "photograph" else None
+    scene = None
+    if case.scene is not None:
+        own = replace(case.scene, source=case.source, particles=case.particles)
+        scene = scene_of(own, make_filling(own)[0].body, filling)
     pictures, _ = ground_pictures(
         filling, surfaces, title=stored["title"],
         picture=None if photograph is None else photograph.picture,
-        segmentation=None if photograph is None else photograph.segmentation,
+        segmentation=None if photograph is None else photograph.segmentation, scene=scene,
     )  # fmt: skip
     text = (folder / "case.toml").read_text(encoding="utf-8")
     write_ground_report(folder / "report.html", stored, pictures, text)

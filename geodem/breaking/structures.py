@@ -107,8 +107,10 @@ class JointFacts(NamedTuple):
         Of particles that they cross.
     bonded : int
         Of these, those bonded across at the start.
-    traces : list of (k, 2, d) [m]
+    traces : (k, 2, 2) [m]
         Ends of segments, 2D only.
+    faces : tuple of (centre, normal, radius)
+        Of discs, 3D only.
     """
 
     joints: int
@@ -116,6 +118,7 @@ class JointFacts(NamedTuple):
     pairs: int
     bonded: int
     traces: Floats
+    faces: tuple[tuple[Floats, Floats, float], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,8 +178,19 @@ def cut_joints(build: AssemblyBuilder, plans: Sequence[JointPlan], bounds: Float
         )
         bonded = int((cut.areas[mine] > 0.0).sum()) if strong else 0
         size = float(sum(joint.area for joint in joints))
-        found[plan.name] = JointFacts(len(joints), size, int(mine.sum()), bonded, traces(joints))
+        found[plan.name] = JointFacts(
+            len(joints), size, int(mine.sum()), bonded, traces(joints), _discs(joints)
+        )
     return found
+
+
+def _discs(joints: Sequence[Joint]) -> tuple[tuple[Floats, Floats, float], ...]:
+    return tuple(
+        (centre, normal, float(radius))
+        for joint in joints
+        if joint.dimension == 3
+        for centre, normal, radius in zip(joint.centres, joint.normals, joint.radii, strict=True)
+    )
 
 
 def traces(joints: Sequence[Joint]) -> Floats:

@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..laboratory.material import BondedMaterial
+
+if TYPE_CHECKING:
+    from .scene import SceneCase
 
 
 @dataclass(frozen=True)
@@ -133,6 +136,8 @@ class GroundCase:
         Defaults that were taken; what looks odd and was let pass.
     text : str
         The file.
+    scene : SceneCase or None
+        Where the case says what holds, cuts and reinforces the ground; source, particles and materials are its own.
     """
 
     title: str
@@ -144,6 +149,7 @@ class GroundCase:
     questions: tuple[str, ...] = field(default=())
     text: str = ""
     workflow: str = "ground"
+    scene: SceneCase | None = None
 
     def as_run_text(self) -> str:
         """The case as it is run, as TOML: every default and all materials written out."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 from geodem.case.bonded import exact, material_lines
@@ -20,6 +21,12 @@ def ground_text(case: GroundCase) -> str:
     if case.allow_implausible:
         allowed = dict.fromkeys(key.replace(".unit_weight", ".density") for key in case.allow_implausible)
         lines.append(f"allow_implausible = [{', '.join(map(quoted, allowed))}]")
+    if case.scene is not None:
+        # the writer of scenes takes the tables of this file
+        from geodem.case.scene_reading import scene_head, scene_lines
+
+        scene = replace(case.scene, source=case.source, particles=case.particles)
+        return "\n".join([*lines, *scene_head(scene), *scene_lines(scene)]) + "\n"
     lines += ["", *source_lines(case.source), "", *particle_lines(case.particles)]
     for material in case.materials.values():
         lines += ["", *_material(material)]

@@ -17,7 +17,7 @@ from geodem.case.bonded import (
     read_material,
     read_parameters,
 )
-from geodem.case.ground_reading import material_of_file, read_density
+from geodem.case.ground_tables import material_of_file, read_density
 from geodem.case.section import positive
 from geodem.case.table import Table, join, listed, quoted
 from geodem.laboratory.material import BondedMaterial

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from geodem.case.bonded import exact
-from geodem.case.ground_reading import mismatches, read_particles
 from geodem.case.ground_source import read_source
+from geodem.case.ground_tables import mismatches, read_particles
 from geodem.case.ground_writing import particle_lines, source_lines
 from geodem.case.places import Places
 from geodem.case.scene import SceneCase

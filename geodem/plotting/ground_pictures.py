@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from geodem.breaking.scene import BondedScene
 from geodem.builders.body import Surface
 from geodem.builders.body_filling import BodyFilling
 from geodem.builders.mesh_body import REST
@@ -19,6 +20,7 @@ from geodem.plotting.bodies import (
     particle_colours,
     segmentation_figure,
 )
+from geodem.plotting.scene_pictures import scene_picture
 from geodem.plotting.spheres import PIXELS, render_balls, render_facets
 from geodem.plotting.theme import INK, SOFT, material_colour, new_figure, png, style
 
@@ -42,15 +44,18 @@ def ground_pictures(
     title: str,
     picture: NDArray[Any] | None = None,
     segmentation: Segmentation | None = None,
+    scene: BondedScene | None = None,
 ) -> tuple[dict[str, bytes], list[str]]:
     """PNGs by name, and words on what could not be drawn.
 
     "particles" always, but of spheres without pyvista; "inside" of spheres; "surfaces" where the body names any;
-    "cut" of a photograph.
+    "cut" of a photograph; "scene" with joints, bolts and sides.
     """
     made: dict[str, bytes] = {}
     with style():
         try:
+            if scene is not None:
+                made["scene"] = scene_picture(scene, title=title)
             made["particles"] = png(particles_figure(filling, title=title))
             if filling.dimension == 3:
                 made["inside"] = png(_inside(filling))
@@ -72,8 +77,12 @@ def particles_figure(filling: BodyFilling, *, title: str) -> Figure:
     return filling_picture(filling, title=title, view=VIEW)
 
 
-def check_figure(filling: BodyFilling, surfaces: Sequence[Surface], *, title: str) -> bytes:
+def check_figure(
+    filling: BodyFilling, surfaces: Sequence[Surface], *, title: str, scene: BondedScene | None = None
+) -> bytes:
     """One PNG of particles and boundaries, for a look before anything is kept; raises as `render_facets`."""
+    if scene is not None:
+        return scene_picture(scene, title=title)
     with style():
         if filling.dimension == 3:
             return png(_both(filling, title))

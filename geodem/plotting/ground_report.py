@@ -11,16 +11,18 @@ from geodem.plotting import page, sections
 from geodem.plotting.ground_wording import SIGN, contact_rows, cost_rows, headline, material_rows, size_line
 from geodem.plotting.laboratory_report import write_figures
 from geodem.plotting.page import text
+from geodem.plotting.scene_wording import scene_rows
 from geodem.plotting.sections import Picture
 
 CAPTIONS = {
+    "scene": "The ground with what is in it and what holds it: circles are rollers, triangles fixed particles.",
     "particles": "The particles, by material. A particle is of the material at its centre.",
     "inside": "The same without the half that is nearer to you.",
     "surfaces": "Boundaries that the source names, with the number of their facets: what walls and loads can act on.",
     "cut": "The photograph, the brightness at which it was cut, what came of it, and the particles.",
 }
 _HELD_BACK = frozenset(
-    {"materials", "contacts", "cost", "steps", "surfaces", "source", "bounds_m", "solid_fraction", "grains",
+    {"materials", "scene", "contacts", "cost", "steps", "surfaces", "source", "bounds_m", "solid_fraction", "grains",
      "smallest_radius_m", "largest_radius_m", "identity", "sources_digest"}
 )  # fmt: skip
 
@@ -49,6 +51,7 @@ def write_ground_report(
         ("answer", "Answer", _answer(result)),
         ("pictures", "Pictures", _pictures(result, pictures)),
         ("contacts", "Contacts", _contacts(result)),
+        ("scene", "Bonds, joints, sides", _scene(result)),
         ("surfaces", "Boundaries", _surfaces(result)),
         (
             "run",
@@ -76,7 +79,8 @@ def _answer(result: Mapping[str, Any]) -> str:
         f'<header id="answer">\n<p class="case-title">{text(result["title"])}</p>',
         f"<h1>{text(headline(result))}</h1>",
         page.table(header, rows, numbers=range(1, len(header))),
-        f"<p>From {text(source['kind'])}: {text(', '.join(source['files']))}. {text(size_line(result))}.</p>",
+        f"<p>From {text(': '.join(part for part in (source['kind'], ', '.join(source['files'])) if part))}. "
+        f"{text(size_line(result))}.</p>",
         f'<p class="static">{text(SIGN)}</p>',
     ]
     if result["warnings"]:
@@ -98,6 +102,12 @@ def _contacts(result: Mapping[str, Any]) -> str:
         "contacts", "Contacts and cost", page.pairs(contact_rows(result)),
         "<h3>What a run of them takes</h3>", page.pairs(cost_rows(result)),
     )  # fmt: skip
+
+
+def _scene(result: Mapping[str, Any]) -> str:
+    if "scene" not in result:
+        return ""
+    return page.section("scene", "Bonds, joints, sides", page.pairs(scene_rows(result["scene"])))
 
 
 def _surfaces(result: Mapping[str, Any]) -> str:

@@ -6,8 +6,9 @@ import re
 from geodem import run_case
 from geodem.case import parse_ground
 from geodem.case.ground import ParticleOptions
-from geodem.case.ground_reading import ARRANGEMENTS, DEFAULT_PARTICLES, KEYS, MATERIAL_KEYS, PARTICLE_KEYS
+from geodem.case.ground_reading import KEYS, MATERIAL_KEYS
 from geodem.case.ground_source import SOURCES
+from geodem.case.ground_tables import ARRANGEMENTS, DEFAULT_PARTICLES, PARTICLE_KEYS
 from tests.docs.pages import DOCS, tables
 from tests.ground_files import ground_case
 
@@ -19,7 +20,8 @@ def rows(heading):
 
 
 def test_keys_are_those_of_the_reader():
-    assert set(rows("Top level of ground")) == set(KEYS)
+    named = {key for row in tables(PAGE)["Top level of ground"] for key in re.findall(r"`(\w+)`", row[0])}
+    assert named == set(KEYS)
     assert set(rows("[particles] of ground")) == set(PARTICLE_KEYS)
     assert set(rows("[material.NAME] of ground")) == set(MATERIAL_KEYS)
     told = rows("[source]")
