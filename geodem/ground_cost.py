@@ -45,8 +45,13 @@ class Cost:
     compile_seconds: float = 0.0
 
 
-def cost(case: GroundCase, filling: BodyFilling) -> Cost:
-    """Time step, run time and memory of the particles as an assembly under gravity, bonded as the case says."""
+def cost(case: GroundCase, filling: BodyFilling, scene: Assembly | None = None) -> Cost:
+    """Time step, run time and memory of the particles as an assembly under gravity, bonded as the case says.
+
+    `scene`: the assembly, where the case says all of it.
+    """
+    if scene is not None:
+        return _measured(scene)
     d, count = filling.dimension, filling.particles
     bonded = [material.bonded for material in case.materials.values()]
     if None in bonded:
@@ -59,9 +64,12 @@ def cost(case: GroundCase, filling: BodyFilling) -> Cost:
         return Cost(
             math.nan, math.nan, math.nan, 0, needed_bytes(d, count), "the materials have several laws"
         )
+    return _measured(_assembly(case, filling))
+
+
+def _measured(assembly: Assembly) -> Cost:
     from .particle_simulation import ParticleSimulation
 
-    assembly = _assembly(case, filling)
     before = compile_seconds()
     motion = ParticleSimulation(assembly, local_damping=0.7)
     motion.run(2)
@@ -74,7 +82,7 @@ def cost(case: GroundCase, filling: BodyFilling) -> Cost:
         critical_time_step=motion.critical_time_step,
         step_seconds=seconds,
         bonds=bonds,
-        memory_bytes=needed_bytes(d, count, bonds),
+        memory_bytes=needed_bytes(assembly.dimension, assembly.particles, bonds),
         compile_seconds=compile_seconds() - before,
     )
 

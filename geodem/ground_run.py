@@ -88,7 +88,7 @@ def make_ground(
         stage("cutting joints, setting bolts")
         scene = scene_of(own, made.body, filling)
     stage("looking at contacts and cost")
-    price = cost(case, filling)
+    price = cost(case, filling, None if scene is None else scene.assembly)
     result = assemble(case, made, filling, price)
     if scene is not None:
         result |= {"scene": scene_facts(scene), "warnings": [*result["warnings"], *scene.warnings]}

@@ -27,8 +27,8 @@ from ..particle_state import NUMBERS
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-STORED = [motion.KINETIC, motion.TOTAL_ELASTIC, motion.ANCHORED]
-"""Sums that hold energy; the others add up work."""
+STORED = [motion.TOTAL_ELASTIC, motion.ANCHORED]
+"""Sums that hold elastic energy; the others add up work."""
 
 
 @dataclass(eq=False)
@@ -75,6 +75,10 @@ class FaceForces:
         s.arrays.applied[row[self.particles]] += change
         # a search for equilibrium reads what is applied here
         s.assembly.applied[self.particles] += change
+        if s.features.energy:
+            # the next step counts the work of the way that is behind
+            motion_now = np.where(s.assembly.held, 0.0, np.hstack([s.velocities, s.spins]))[self.particles]
+            s.initial_energy -= float((change * motion_now).sum()) * s.time_step
         self.factor = float(factor)
         s.wake_all()
 
@@ -154,8 +158,8 @@ def remove_particles(
     new.feel(new.kernel(new.features))
     energy = float("nan")
     if s.features.energy:
-        energy = stored - float(new.sums[:, STORED].sum())
-        new.initial_energy -= energy
+        energy = stored - float(new.sums[:, STORED].sum()) + _kinetic(s, gone, before)
+        new.initial_energy -= energy - _last_work(s, gone, before)
     exerted = before[np.flatnonzero(left)[face]] - new.forces[face]
     forces = FaceForces(face, exerted)
     if keep_forces and len(face):
@@ -305,6 +309,33 @@ def _neighbours(s: ParticleSimulation, gone: NDArray[np.bool_]) -> Integers:
     across = gone[a] != gone[b]
     ends = np.where(gone[a[across]], b[across], a[across])
     return np.unique(ends).astype(np.int64)
+
+
+def _kinetic(s: ParticleSimulation, gone: NDArray[np.bool_], forces: Floats) -> float:
+    """Kinetic energy [J] of particles as the account has it, m v(n - 1/2).v(n + 1/2)/2."""
+    a, d = s.assembly, s.dimension
+    inertia = np.column_stack([*[a.mass] * d, *[a.inertia] * a.rotations])
+    velocity = np.hstack([s.velocities, s.spins])
+    ahead = np.where(a.held, 0.0, forces * s.time_step)
+    return 0.5 * float((velocity * (inertia * velocity + ahead))[gone].sum())
+
+
+def _last_work(s: ParticleSimulation, gone: NDArray[np.bool_], forces: Floats) -> float:
+    """Work [J] of weight and applied forces on particles in the last step, less what damping took of it.
+
+    Steps count it one later, and for the removed there is none.
+    """
+    a, d = s.assembly, s.dimension
+    load = np.zeros_like(forces)
+    if s.features.applied:
+        load[s.arrays.ids] = s.arrays.applied
+    load[:, :d] += a.mass[:, None] * a.gravity
+    velocity = np.hstack([s.velocities, s.spins])
+    inertia = np.column_stack([*[a.mass] * d, *[a.inertia] * a.rotations])
+    # half of the last step's damping has been counted
+    drag = s.local_damping * np.abs(forces) * np.sign(velocity) + s.global_damping * inertia * velocity
+    work = np.where(a.held, 0.0, (load - 0.5 * drag) * velocity * s.time_step)
+    return float(work[gone].sum())
 
 
 def _mask(which: ArrayLike, particles: int) -> NDArray[np.bool_]:

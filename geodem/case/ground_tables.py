@@ -106,11 +106,17 @@ def _grading(table: Table) -> tuple[tuple[float, float], ...] | None:
     if "grading" not in table:
         return None
     points = []
-    for row in table.rows("grading", ("radius", "passing"), example=_GRADING):
-        values = row.quantity("radius", "length", check=positive), row.quantity("passing", "dimensionless")
-        for key in ("radius", "passing"):
-            if key not in row:
-                row.missing(key, f"Write grading = {_GRADING}.")
+    for row in table.rows("grading", ("sieve", "radius", "passing"), example=_GRADING):
+        if "sieve" in row and "radius" in row:
+            remedy = "Keep one: what passes a sieve has half its opening as radius."
+            row.error("sieve", "sieve and radius are both given", remedy)
+        opening = row.quantity("sieve", "length", check=positive)
+        radius = row.quantity("radius", "length", check=positive) if opening is None else 0.5 * opening
+        values = radius, row.quantity("passing", "dimensionless")
+        if "sieve" not in row and "radius" not in row:
+            row.missing("radius", f"Write grading = {_GRADING}.")
+        if "passing" not in row:
+            row.missing("passing", f"Write grading = {_GRADING}.")
         if values[0] is not None and values[1] is not None:
             points.append((values[0], values[1]))
     if isinstance(table.content["grading"], list) and len(table.content["grading"]) < 2:

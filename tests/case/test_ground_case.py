@@ -74,6 +74,9 @@ def test_particles_as_they_are_given(folder):
     case = parse_ground(GROUND.replace("particles = 1200", curve), folder)
     assert case.particles.grading == ((5e-3, 0.0), (9e-3, 1.0))
     assert parse_ground(case.as_run_text(), folder).particles == case.particles
+    sieves = 'grading = [{sieve = "10 mm", passing = "0 %"}, {sieve = "18 mm", passing = "100 %"}]'
+    same = parse_ground(GROUND.replace("particles = 1200", sieves), folder)
+    assert same.particles.grading == case.particles.grading
     pixel = parse_ground(GROUND.replace("particles = 1200\nseed = 4", 'arrangement = "pixel"'), folder)
     assert pixel.particles.particles is pixel.particles.radius is None
     bare = parse_ground(GROUND.replace("[particles]\nparticles = 1200\nseed = 4\n", ""), folder)
