@@ -41,6 +41,14 @@ GROUPS = (
         "water, a grouted bar pulled out, a lining bent and stretched, and the stress of bonded ground before "
         "anything is built.",
     ),
+    Group(
+        "tunnels-spalling",
+        "A tunnel in hard rock that spalls",
+        "Discs under 10 MPa from the sides and 5 MPa from above, a circle excavated, its face relaxed in stages; "
+        "hoop stresses beside Kirsch's, by the second harmonic of whole rings. Then the far field grows until bonds "
+        "break: where the first ones do, and Kirsch's largest hoop stress at that load over the uniaxial compressive "
+        "strength of a specimen with the same grains and bonds.",
+    ),
 )
 
 

@@ -32,6 +32,7 @@ from .problems import (
     rock_calibration,
     timestep,
     trubal,
+    tunnels_spalling,
 )
 from .results_file import store_rows
 
@@ -63,6 +64,7 @@ PROBLEMS: dict[str, ModuleType] = {
     "slopes": published_slopes,
     "timestep": timestep,
     "trubal": trubal,
+    "tunnels-spalling": tunnels_spalling,
 }
 
 

@@ -8,7 +8,13 @@ import pytest
 from geodem.builders.assembly_builder import AssemblyBuilder
 from geodem.errors import InputError
 from geodem.particle_simulation import ParticleSimulation
-from geodem.preparation.initial_stress import far_field, ground_stress, link_forces, set_initial_stress
+from geodem.preparation.initial_stress import (
+    bulk_unit_weight,
+    far_field,
+    ground_stress,
+    link_forces,
+    set_initial_stress,
+)
 from reference.problems.ground_initial_stress import BOXES, TENSORS, ground, initial_stress
 from tests.verification.rows import check
 
@@ -25,6 +31,17 @@ def test_far_field_in_3d():
     assert found.error < 0.01
     assert s.intact().all()
     assert found.measured[0] == pytest.approx(1e6 * TENSORS[3], abs=2e4)
+
+
+def test_k0_in_3d():
+    """Shear stresses on level planes among them, which no strain that grows upwards takes away."""
+    s = ground(3, (8.0, 8.0, 7.0), weight=True)
+    top = float((s.positions[:, 2] + s.assembly.radii).max())
+    wanted = ground_stress(3, unit_weight=bulk_unit_weight(s), k0=(1.5, 0.8), top=top)
+    found = set_initial_stress(s, wanted)
+    assert found.reached
+    scale = np.abs(found.wanted).max(axis=(1, 2))[:, None, None]
+    assert np.abs((found.measured - found.wanted) / scale).max() < 0.005
 
 
 def test_weight_of_the_ground_above_is_borne_at_every_depth():

@@ -33,12 +33,12 @@ Floats = NDArray[np.float64]
 
 RADIUS = 1.0
 """Of the tunnel [m]."""
-HALF = 6.0
+HALF = 4.0
 """Half the side of the ground, over the radius."""
 FIELD = (10e6, 5e6)
 """Pressure along x and along y [Pa] at load 1."""
-RINGS = ((1.0, 1.12), (1.2, 1.3), (1.42, 1.58), (1.9, 2.1), (2.85, 3.15))
-"""Over the radius, from where to where."""
+RINGS = (1.25, 1.5, 2.0, 3.0)
+"""Middles over the radius; two particles thick, as is the one at the wall."""
 GROWTH = 0.03
 """Of the load from one step to the next."""
 SOME = 20
@@ -166,12 +166,13 @@ def rows_of_rings(tunnel: Tunnel, seconds: float) -> list[Row]:
     exact = kirsch_hoop(s.positions, FIELD)
     r, angle = np.hypot(*s.positions.T) / RADIUS, np.arctan2(s.positions[:, 1], s.positions[:, 0])
     found = []
-    for low, high in RINGS:
-        ring = (r >= low) & (r < high)
+    thick = 2.0 * float(s.assembly.radii.mean()) / RADIUS
+    for middle in (1.0 + thick, *RINGS):
+        ring = np.abs(r - middle) < thick
         shapes = np.column_stack([np.ones(int(ring.sum())), -np.cos(2.0 * angle[ring])])
         own, other = (np.linalg.lstsq(shapes, values[ring], rcond=None)[0] for values in (hoop, exact))
-        wall = low == RINGS[0][0]
-        name = "at the wall" if wall else f"at {0.5 * (low + high):.3g} radii"
+        wall = middle not in RINGS
+        name = "two particles deep at the wall" if wall else f"at {middle:.3g} radii"
         found.append(
             relative(
                 f"hoop stress {name}", "roof and floor [Pa]", float(own.sum()), float(other.sum()),

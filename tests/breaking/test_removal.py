@@ -8,11 +8,16 @@ import pytest
 from geodem.breaking.removal import remove_particles
 from geodem.breaking.scene import start
 from geodem.breaking.shapes import inside_box, inside_circle, inside_cylinder, inside_polygon
+from geodem.breaking.structures import BoltPlan, JointPlan
+from geodem.builders.bolts import Bar, Grout
+from geodem.builders.joints import segment
 from geodem.errors import InputError
 from geodem.particle_simulation import ParticleSimulation
 from geodem.particle_statics import find_equilibrium
 from geodem.preparation.initial_stress import far_field
 from tests.breaking.scenes import random_ground
+
+JOINT = {"normal_stiffness": 1e10, "shear_stiffness": 5e9, "friction_coefficient": 0.6}
 
 STRESS = far_field(np.diag([-2e6, -1e6]))
 
@@ -176,3 +181,32 @@ def test_what_cannot_be_removed_is_refused(pressed):
     ):
         with pytest.raises(InputError, match=match):
             remove_particles(pressed, which)
+
+
+def test_joints_bolts_and_walls_bear_what_they_bore():
+    """All forces on what is left are those before, with those of the removed kept."""
+    joint = JointPlan("fault", [segment((0.0, 2.0), (10.0, 5.0), "joint")], JOINT)
+    bolts = [
+        BoltPlan(f"b{k}", np.array([k, 8.0]), np.array([k, 1.0]), Bar(1e8), Grout(1e7)) for k in (2.0, 5.0)
+    ]
+    scene = random_ground(
+        300, supports={"left": "wall", "right": "wall", "bottom": "rough"}, gravity=(0.0, -9.81), joints=[joint],
+        bolts=bolts,
+    )  # fmt: skip
+    s = ParticleSimulation(scene.assembly, applied=True, local_damping=0.2)
+    s.run(150)
+    # the second bolt goes with what is around it, and a piece of the joint
+    gone = inside_box(s.positions, (4.2, -1.0), (6.0, 9.0))
+    removal = remove_particles(s, gone)
+    new = removal.simulation
+    scale = np.abs(s.forces).max()
+    assert new.forces == pytest.approx(s.forces[removal.particles], abs=1e-9 * scale)
+    joints, before = new.assembly.joints, s.assembly.joints
+    assert joints is not None
+    assert before is not None
+    crossed = ~gone[before.pairs].any(axis=1)
+    assert np.array_equal(removal.particles[joints.pairs], before.pairs[crossed])
+    for name in ("left", "right", "bottom"):
+        assert np.abs(new.wall_force(name)).max() <= np.abs(s.wall_force(name)).max() * (1.0 + 1e-9)
+    new.run(50)
+    assert np.isfinite(new.positions).all()
