@@ -276,9 +276,7 @@ class _Steps:
         given = self.field(strain, growth, middle)
         displace(self.simulation, self._follow(given, np.zeros_like(given)))
 
-    def lean(
-        self, boxes: list[tuple[Floats, Floats]], away: Floats, target: Floats, middle: Floats
-    ) -> None:
+    def lean(self, boxes: list[tuple[Floats, Floats]], away: Floats, target: Floats, middle: Floats) -> None:
         """Take away shear stresses on level planes that grow upwards, which no strain of `field` does.
 
         Held freedoms move by g z^2 along each horizontal axis; how far follows from how the shear stress answers.
