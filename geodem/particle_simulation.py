@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -217,8 +217,19 @@ class ParticleSimulation(ParticleReading):
             No such file, cut off, changed, no checkpoint of discs or spheres, or of another version.
         """
         assembly, tree = read_particles(path, other_version=other_version)
+        return cls.of_state(assembly, tree, str(path))
+
+    @classmethod
+    def of_state(cls, assembly: Assembly, tree: Mapping[str, Any], place: str) -> ParticleSimulation:
+        """The simulation that a state of `geodem.particle_state` belongs to, which it takes over; `place`: from where.
+
+        Raises
+        ------
+        InputError
+            Parts are missing or do not fit the assembly.
+        """
         self = cls.__new__(cls)
-        restore(self, assembly, tree, str(path))
+        restore(self, assembly, tree, place)
         self._ready()
         return self
 
