@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -84,6 +84,8 @@ class Site:
         By what stages divided the strength of every material.
     points : dict of str to int
         Measured points: their particles in the scene.
+    walls : tuple of str
+        That there were at the start.
     gravity_factor, strength_factor : float
     gone : list of Cracks
         Of bonds that were taken away with their particles.
@@ -106,6 +108,7 @@ class Site:
     full: Strength
     weak: Floats
     points: dict[str, int]
+    walls: tuple[str, ...]
     gravity_factor: float = 1.0
     strength_factor: float = 1.0
     gone: list[Cracks] = field(default_factory=list)
@@ -129,6 +132,7 @@ class Site:
             full=Strength.of(s),
             weak=np.ones(len(s.assembly.material_names)),
             points=dict(points),
+            walls=tuple(wall.name for wall in s.assembly.walls),
         )
 
     # ------------------------------------------------------------------ what is changed
@@ -211,6 +215,12 @@ class Site:
         where = self.positions_of_all()
         return {name: where[k] - self.origin[k] for name, k in self.points.items()}
 
+    def wall_forces(self) -> dict[str, Floats]:
+        """Force (d,) [N] of the particles on every wall in the last step; NaN of walls that were taken away."""
+        s = self.simulation
+        forces = dict(zip(s.walls.names, s.walls.forces(), strict=True))
+        return {name: forces.get(name, np.full(s.dimension, np.nan)) for name in self.walls}
+
     def columns(self) -> tuple[str, ...]:
         """Names with units of what a line of the history holds."""
         s = self.simulation
@@ -221,7 +231,7 @@ class Site:
             "stage [-]", "factor on trial [-]", "step [-]", "time [s]", "gravity factor [-]", "strength factor [-]",
             "unbalanced force ratio [-]", "cracks in tension [-]", "cracks in shear [-]",
             *(f"displacement of {name}, {axis} [m]" for name in self.points for axis in axes),
-            *(f"force on {wall.name}, {axis} [N{deep}]" for wall in s.assembly.walls for axis in axes),
+            *(f"force on {name}, {axis} [N{deep}]" for name in self.walls for axis in axes),
             *(f"energy account, {term} [J{deep}]" for term in ParticleEnergy._fields),
         )  # fmt: skip
 
@@ -237,10 +247,15 @@ class Site:
                 float(self.place[0]), self.place[1], float(s.steps), s.time, self.gravity_factor,
                 self.strength_factor, s.unbalanced_ratio(), *modes,
                 *(float(part) for way in self.at_points().values() for part in way),
-                *(float(part) for force in s.walls.forces() for part in force),
+                *(float(part) for force in self.wall_forces().values() for part in force),
                 *(float(term) for term in energy),
             )
         )  # fmt: skip
+
+    def take_over(self, other: Site) -> None:
+        """Become another site."""
+        for part in fields(Site):
+            setattr(self, part.name, getattr(other, part.name))
 
     # ------------------------------------------------------------------ kept and brought back
 
@@ -259,6 +274,7 @@ class Site:
             "gone": {str(k): cracks.tree() for k, cracks in enumerate(self.gone)},
             "plain": {
                 "points": self.points,
+                "walls": list(self.walls),
                 "gravity_factor": self.gravity_factor,
                 "strength_factor": self.strength_factor,
                 "place": [self.place[0], None if math.isnan(self.place[1]) else self.place[1]],
@@ -283,6 +299,7 @@ class Site:
             full=Strength(**{name: table.copy() for name, table in tree["full"].items()}),
             weak=tree["weak"].copy(),
             points=dict(plain["points"]),
+            walls=tuple(plain["walls"]),
             gravity_factor=plain["gravity_factor"],
             strength_factor=plain["strength_factor"],
             gone=[Cracks.from_tree(tree["gone"][str(k)]) for k in range(plain["gone"])],

@@ -257,6 +257,7 @@ def _move(
     total = _steps(site, time)
     every = None if frames_every is None else _steps(site, frames_every)
     while site.done < total:
+        watcher.may_keep(site)
         part = min(total - site.done, BATCH)
         if every is not None:
             part = min(part, every - site.done % every)
@@ -265,7 +266,6 @@ def _move(
         if every is not None and site.done % every == 0:
             watcher.frame(site)
         watcher.told(f"{s.time:.4g} s, {site.done:,} of {total:,} steps")
-        watcher.may_keep(site)
         if rest is not None and s.unbalanced_ratio() < rest:
             break
     site.done = 0

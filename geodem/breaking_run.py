@@ -1,0 +1,282 @@
+"""Run a case of breaking ground, stage by stage, and write its folder; it can be stopped anywhere and gone on with."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .breaking.search import Search
+from .breaking.site import Site
+from .breaking.stages import FindFactor, Stage
+from .breaking_building import Works, build_works
+from .breaking_result import StageEnd, assemble
+from .case.breaking import BreakingCase
+from .errors import InputError
+from .io.checkpoint import Tree, checksum
+from .io.files import read_json
+from .io.history import HistoryWriter
+from .io.particle_frames import write_frame
+from .io.run_folder import RunFolder
+from .plotting.breaking_pictures import breaking_pictures
+from .plotting.breaking_report import write_breaking_report
+from .run_progress import RunUpdate
+
+QUICK_PARTICLES = 1500
+QUICK_TOLERANCE = 0.2
+KEEP_SECONDS = 60.0
+"""Of a long stage: time between places that can be gone on from [s]."""
+PER_GRAIN = ("tensile_strength", "cohesion")
+"""Of bonds whose law has numbers per contact: what grows with the grain, the strength of the ground being the same."""
+FRAMES = "frames"
+WRITTEN = (f"{FRAMES}/*", "failed-*/*", "figures/*.png")
+
+Watch = Callable[[RunUpdate], None]
+
+
+def run_breaking(
+    case: BreakingCase,
+    out: Path,
+    *,
+    threads: int | None = None,
+    quickly: bool = False,
+    overwrite: bool = False,
+    watch: Watch | None = None,
+    stop_asked: Callable[[], bool] | None = None,
+    command: str = "",
+) -> dict[str, Any]:
+    """Carry out the stages of a case and write its folder, or go on there.
+
+    Parameters
+    ----------
+    case : BreakingCase
+    out : pathlib.Path
+        Folder of the results.
+    threads : int, optional
+        All cores if left out; the bits do not depend on it.
+    quickly : bool
+        About 1,500 particles and wide brackets, for a first look.
+    overwrite : bool
+        Replace what the folder holds.
+    watch : callable, optional
+        Is given a `RunUpdate` now and then.
+    stop_asked : callable, optional
+    command : str
+        For the report.
+
+    Returns
+    -------
+    dict
+        The content of result.json.
+
+    Raises
+    ------
+    InputError, InputErrors
+        Bad input; nothing has been written over.
+    StoppedError
+        `stop_asked` said so; what was done is kept.
+    """
+    from ._jit import set_threads
+
+    count = set_threads(threads)
+    case = quick(case) if quickly else case
+    beside, copies = case.beside()
+    text = beside.as_run_text()
+    run = RunFolder(out, text, _identity(text, copies), written=WRITTEN, sources=copies)
+    if not overwrite and (stored := run.finished()) is not None:
+        return stored
+    if watch is not None:
+        watch(RunUpdate("build", "placing particles"))
+    works = build_works(case)
+    run.claim(overwrite=overwrite)
+    head = {"workflow": case.workflow, "title": case.title, "quick": quickly, "threads": count, "command": command}
+    with run.going(head):
+        ends = [
+            _carry_out(run, works, number, stage, watch, stop_asked)
+            for number, stage in enumerate(works.stages)
+        ]
+        return _write(run, case, works, ends)
+
+
+def resume_breaking(folder: Path, case: BreakingCase, **options: Any) -> dict[str, Any]:
+    """Go on with what a folder holds; options, result and errors as of `run_breaking`."""
+    quickly = bool((read_json(folder / "result.json") or {}).get("quick"))
+    return run_breaking(case, folder, quickly=quickly, **options)
+
+
+def redraw_breaking(folder: Path, case: BreakingCase) -> Path:
+    """Make the report and its figures again from what a folder holds; returns the report's path.
+
+    Raises
+    ------
+    InputError
+        A stage is not finished.
+    """
+    beside, copies = case.beside()
+    text = beside.as_run_text()
+    run = RunFolder(folder, text, _identity(text, copies), written=WRITTEN, sources=copies)
+    stored = run.stored()
+    works = build_works(case)
+    ends = []
+    for number, stage in enumerate(works.stages):
+        end = _kept(run, number, stage)
+        if end is None or not stored:
+            raise InputError(
+                str(folder), "the run is not finished, or another version of geodem made it",
+                f"Go on with: geodem resume {folder}",
+            )  # fmt: skip
+        ends.append(end)
+    pictures = breaking_pictures(ends)
+    write_breaking_report(folder / "report.html", stored, pictures, text)
+    return folder / "report.html"
+
+
+# ---------------------------------------------------------------------- stages
+
+
+@dataclass
+class _Watcher:
+    """Looks on while a stage is carried out: tells, writes frames, keeps places to go on from."""
+
+    run: RunFolder
+    number: int
+    text: str
+    watch: Watch | None
+    asked: Callable[[], bool] | None
+
+    def __post_init__(self) -> None:
+        self.kept = time.perf_counter()
+        self.told("")
+
+    def told(self, detail: str) -> None:
+        if self.watch is not None:
+            self.watch(RunUpdate("stage", self.text, detail))
+
+    def stop_asked(self) -> bool:
+        return self.asked is not None and self.asked()
+
+    def frame(self, site: Site) -> None:
+        write_frame(self.run.path / FRAMES, site.simulation)
+
+    def may_keep(self, site: Site) -> None:
+        if self.stop_asked() or time.perf_counter() - self.kept > KEEP_SECONDS:
+            self.run.keep(_name(self.number), {"site": site.tree(), "plain": {"done": False}})
+            self.kept = time.perf_counter()
+
+
+def _carry_out(
+    run: RunFolder,
+    works: Works,
+    number: int,
+    stage: Stage,
+    watch: Watch | None,
+    stop_asked: Callable[[], bool] | None,
+) -> StageEnd:
+    """One stage, or what is kept of it."""
+    text = f"stage {number + 1} of {len(works.stages)}: {stage.name}"
+    done = _kept(run, number, stage)
+    if done is not None:
+        if number + 1 < len(works.stages) and _kept(run, number + 1, works.stages[number + 1]) is not None:
+            return done
+        works.site.take_over(done.site)
+        return done
+    watcher = _Watcher(run, number, text, watch, stop_asked)
+    begun = time.perf_counter()
+    site = works.site
+    site.place = (number + 1, site.place[1])
+    if isinstance(stage, FindFactor):
+        search = Search(stage.plan, site.tree())
+        part = run.part(_name(number))
+        if part is not None:
+            search.take_up(part["search"])
+        name = _name(number)
+        found = search.run(watcher, lambda s: run.keep(name, {"search": s.tree(), "plain": {"done": False}}))
+        site.take_over(found)
+        facts: dict[str, Any] = {}
+        tree: Tree = {"site": site.tree(), "search": search.tree()}
+        write_frame(run.path / FRAMES, site.simulation)
+        if search.failed is not None:
+            write_frame(run.path / f"failed-{number + 1}", Site.from_tree(search.failed).simulation)
+    else:
+        part = run.part(_name(number))
+        if part is not None:
+            site.take_over(Site.from_tree(part["site"]))
+        facts = stage.carry_out(site, watcher)
+        tree = {"site": site.tree()}
+        write_frame(run.path / FRAMES, site.simulation)
+    facts["seconds"] = round(time.perf_counter() - begun, 3)
+    run.keep(_name(number), {**tree, "plain": {"done": True, "facts": facts}})
+    end = _kept(run, number, stage)
+    assert end is not None  # it has just been written
+    return end
+
+
+def _kept(run: RunFolder, number: int, stage: Stage) -> StageEnd | None:
+    """A stage that is done."""
+    part = run.part(_name(number))
+    if part is None or not part["plain"]["done"]:
+        return None
+    search = None
+    if isinstance(stage, FindFactor):
+        search = Search(stage.plan, {})
+        search.take_up(part["search"])
+    return StageEnd(stage, Site.from_tree(part["site"]), part["plain"]["facts"], search)
+
+
+def _name(number: int) -> str:
+    return f"stage-{number + 1}"
+
+
+# ---------------------------------------------------------------------- what is written
+
+
+def _write(run: RunFolder, case: BreakingCase, works: Works, ends: list[StageEnd]) -> dict[str, Any]:
+    """Everything that a finished run leaves; result.json last."""
+    result = assemble(case, works, ends)
+    site = ends[-1].site
+    (run.path / "history.csv").unlink(missing_ok=True)
+    with HistoryWriter(run.path / "history.csv", site.columns(), append=False) as history:
+        for row in site.history:
+            history.write(*row)
+    pictures = breaking_pictures(ends)
+    whole = run.whole(result)
+    write_breaking_report(run.path / "report.html", whole, pictures, run.case_text)
+    return run.finish(result)
+
+
+def quick(case: BreakingCase) -> BreakingCase:
+    """The case with few particles and wide brackets, for a first look."""
+    options = case.scene.particles
+    stages = tuple(
+        replace(one, values={**one.values, "tolerance": max(one.values["tolerance"], QUICK_TOLERANCE)})
+        if "tolerance" in one.values
+        else one
+        for one in case.stages
+    )
+    if options.arrangement == "pixel" or options.grading is not None:
+        why = "one in each pixel" if options.arrangement == "pixel" else "the grading says their sizes"
+        notice = f"--quick: the particles stay as they are ({why}); factors to {QUICK_TOLERANCE:.0%}."
+        return replace(case, stages=stages, notices=(*case.notices, notice))
+    count = min(options.particles or QUICK_PARTICLES, QUICK_PARTICLES)
+    notice = f"--quick: about {count} particles instead of the case's own; factors to {QUICK_TOLERANCE:.0%}."
+    scene = replace(case.scene, particles=replace(options, particles=count, radius=None))
+    return replace(case, scene=scene, stages=stages, notices=(*case.notices, notice))
+
+
+def _identity(text: str, copies: dict[str, Path]) -> str:
+    """Of a case as it is run and of what its files hold."""
+    held: dict[str, Any] = {"case": text}
+    for name, path in copies.items():
+        files = sorted(entry for entry in path.iterdir() if entry.is_file()) if path.is_dir() else [path]
+        for file in files:
+            try:
+                held[f"{name} {file.name}"] = np.frombuffer(file.read_bytes(), dtype=np.uint8)
+            except OSError as error:
+                raise InputError(
+                    "source", f"the file cannot be read ({error.strerror})", "Put it back.", value=str(file)
+                ) from error
+    return checksum(held)
