@@ -194,6 +194,23 @@ _ALL = (
         marks=("source",),
         table={"particles [-]": "particles", "neighbours of a particle [-]": "contacts.coordination"},
     ),
+    Kind(
+        "breaking",
+        "geodem run",
+        reader="case.breaking_reading:parse_breaking",
+        runner="breaking_run:run_breaking",
+        resumer="breaking_run:resume_breaking",
+        redrawer="breaking_run:redraw_breaking",
+        checker="breaking_check:check_breaking",
+        answerer="plotting.breaking_wording:answer",
+        marks=("stage",),
+        table={
+            "gravity factor [-]": "factors[kind=gravity-increase].value",
+            "strength factor [-]": "factors[kind=strength-reduction].value",
+            "cracks in tension [-]": "cracks.tension",
+            "cracks in shear [-]": "cracks.shear",
+        },
+    ),
 )
 
 KINDS: Mapping[str, Kind] = {kind.name: kind for kind in _ALL}
