@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from .assembly import Wall
 from .boundaries.walls import segments
 from .breaking.criteria import Criteria
-from .breaking.removal import inside_circle, inside_cylinder, inside_polygon
 from .breaking.scene import BondedScene, start
 from .breaking.search import SearchPlan
+from .breaking.shapes import inside_circle, inside_cylinder, inside_polygon
 from .breaking.site import Site
 from .breaking.stages import (
     ChangeStrength,

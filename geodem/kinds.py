@@ -203,7 +203,6 @@ _ALL = (
         redrawer="breaking_run:redraw_breaking",
         checker="breaking_check:check_breaking",
         answerer="plotting.breaking_wording:answer",
-        marks=("stage",),
         table={
             "gravity factor [-]": "factors[kind=gravity-increase].value",
             "strength factor [-]": "factors[kind=strength-reduction].value",

@@ -30,6 +30,7 @@ TELLING = (
     "slope_check.py",
     "laboratory_check.py",
     "ground_check.py",
+    "breaking_check.py",
     "__main__.py",
     "laboratory_run.py",
     "calibration_run.py",

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .assembly import Wall
 from .breaking.faults import with_band
 from .breaking.scene import BondedScene, build_scene
 from .breaking.structures import BoltPlan, JointPlan, LiningPlan
@@ -66,8 +67,10 @@ def make_filling(
     return made, filling
 
 
-def scene_of(case: SceneCase, body: Body, filling: BodyFilling) -> BondedScene:
-    """The scene of a case whose particles are there; raises as `make_scene`."""
+def scene_of(
+    case: SceneCase, body: Body, filling: BodyFilling, *, walls: Sequence[Wall] = ()
+) -> BondedScene:
+    """The scene of a case whose particles are there, with more walls than its sides have; raises as `make_scene`."""
     d = body.dimension
     joints = [
         JointPlan(one.name, [_joint(one.place, body, f"joint[{k}]")], law_parameters(one.parameters))
@@ -86,6 +89,7 @@ def scene_of(case: SceneCase, body: Body, filling: BodyFilling) -> BondedScene:
         interfaces=case.interfaces,
         across=case.grain_bonds,
         seed=case.seed,
+        walls=walls,
         joints=joints,
         bolts=bolts,
         linings=[_lining(one, d, f"lining[{k}]") for k, one in enumerate(case.linings)],

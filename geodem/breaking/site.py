@@ -157,7 +157,7 @@ class Site:
         self.simulation = removal.simulation
         self.number = self.number[removal.particles]
         self.bond = self.bond[removal.bonds]
-        self.energy_removed += removal.energy_removed
+        self.energy_removed += removal.energy
         return removal
 
     # ------------------------------------------------------------------ time
