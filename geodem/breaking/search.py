@@ -82,7 +82,7 @@ class SearchPlan:
         The search ends there with the bracket open [-].
     criteria : Criteria
     goes_on : str
-        What later stages go on from: "stable" or "failed".
+        What later stages go on from: "start", where the search began, "stable" or "failed".
     """
 
     kind: str
@@ -91,7 +91,7 @@ class SearchPlan:
     tolerance: float = 0.05
     highest: float = 100.0
     criteria: Criteria = field(default_factory=Criteria)
-    goes_on: str = "stable"
+    goes_on: str = "start"
 
     @property
     def method(self) -> Method:
@@ -193,7 +193,7 @@ class Search:
 
     def _end(self) -> Site:
         """The site that later stages go on from, with the history of all trials."""
-        wanted = self.failed if self.plan.goes_on == "failed" else self.stable
+        wanted = {"stable": self.stable, "failed": self.failed}.get(self.plan.goes_on)
         site = Site.from_tree(wanted if wanted is not None else self.base)
         site.history = [*Site.from_tree(self.base).history, *self.rows]
         site.place = (site.place[0], math.nan)

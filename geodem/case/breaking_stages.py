@@ -222,7 +222,7 @@ _KEYS: Mapping[str, _Key] = {
     "failed_diameters": _number(_USUAL.failed_diameters, example="2"),
     "moving_share": _number(_USUAL.moving_share, high=1.0, example="0.005"),
     "goes_on": _Key(
-        lambda row, key, places: row.choice(key, ("stable", "failed")), quoted, _USUAL_PLAN.goes_on, '"stable"'
+        lambda row, key, places: row.choice(key, ("start", "stable", "failed")), quoted, _USUAL_PLAN.goes_on, '"stable"'
     ),
     "material": _Key(_read_names, _names_text, None, '"rock"'),
     "wall": _Key(lambda row, key, places: row.text(key, remedy='Write wall = "bottom".'), quoted, None, '"bottom"'),
