@@ -28,7 +28,6 @@ from .breaking.stages import (
 )
 from .builders.body import Body
 from .case.breaking import BreakingCase, PointOptions, StageOptions
-from .case.scene import SceneCase
 from .errors import InputError, InputErrors
 from .ground_building import GroundBody
 from .scene_building import make_filling, scene_of
@@ -66,9 +65,7 @@ def build_works(case: BreakingCase) -> Works:
         As of `geodem.scene_building.make_filling` and `scene_of`; measured points in the air, excavations that miss the
         ground, openings that are not in their wall.
     """
-    made, filling = make_filling(
-        case.scene, title=case.title, allow_implausible=case.allow_implausible
-    )
+    made, filling = make_filling(case.scene, title=case.title, allow_implausible=case.allow_implausible)
     body = made.body
     refuse_misplaced(case, body, filling.positions, 2.0 * float(filling.radii.mean()))
     openings = _openings(case, filling.positions, filling.radii)
@@ -79,12 +76,8 @@ def build_works(case: BreakingCase) -> Works:
     simulation, _ = start(scene, local_damping=case.damping, energy=True, applied=True)
     if case.time_step_factor != BreakingCase.time_step_factor:
         step = case.time_step_factor * simulation.critical_time_step
-        simulation, _ = start(
-            scene, local_damping=case.damping, energy=True, applied=True, time_step=step
-        )
-    points = {
-        point.name: int(scene.ids[_nearest(point, filling.positions)]) for point in case.points
-    }
+        simulation, _ = start(scene, local_damping=case.damping, energy=True, applied=True, time_step=step)
+    points = {point.name: int(scene.ids[_nearest(point, filling.positions)]) for point in case.points}
     site = Site.of(simulation, points)
     return Works(made, scene, site, tuple(_stage(case, one, scene, openings) for one in case.stages))
 
@@ -148,7 +141,9 @@ class _Place:
             return inside_circle(positions, centre, values["radius"])
         # a round hole in space runs along y
         low, high = positions.min(axis=0)[1], positions.max(axis=0)[1]
-        ends = [np.array([centre[0], y, centre[2]]) for y in (low - values["radius"], high + values["radius"])]
+        ends = [
+            np.array([centre[0], y, centre[2]]) for y in (low - values["radius"], high + values["radius"])
+        ]
         return inside_cylinder(positions, ends[0], ends[1], values["radius"])
 
 
@@ -199,7 +194,9 @@ def _openings(case: BreakingCase, positions: Floats, radii: Floats) -> dict[str,
         for first, last, name in sorted(parts):
             if first < edge:
                 raise InputError(f"stage, {name}", "two openings of a wall overlap", "Give each its own part")
-            pieces += [_piece(f"{side}, piece {at}", edge, first, level, axis, smooth)] if first > edge else []
+            pieces += (
+                [_piece(f"{side}, piece {at}", edge, first, level, axis, smooth)] if first > edge else []
+            )
             pieces.append(_piece(name, first, last, level, axis, smooth))
             edge, at = last, at + 1
         pieces.append(_piece(f"{side}, piece {at}", edge, edge + 3.0 * reach, level, axis, smooth))
@@ -235,7 +232,9 @@ def criteria_of(stage: StageOptions) -> Criteria:
     )
 
 
-def _stage(case: BreakingCase, one: StageOptions, scene: BondedScene, openings: dict[str, list[Wall]]) -> Stage:
+def _stage(
+    case: BreakingCase, one: StageOptions, scene: BondedScene, openings: dict[str, list[Wall]]
+) -> Stage:
     values, criteria = one.values, criteria_of(one)
     number = case.stages.index(one)
     if one.kind == "settle":
@@ -249,7 +248,9 @@ def _stage(case: BreakingCase, one: StageOptions, scene: BondedScene, openings: 
     if one.kind == "excavate":
         return Excavate(one.name, _where(one, scene), values["shares"], values["come_to_rest"], criteria)
     if one.kind == "move-wall":
-        return MoveWall(one.name, values["wall"], values["velocity"], values["time"], values.get("frames_every"))
+        return MoveWall(
+            one.name, values["wall"], values["velocity"], values["time"], values.get("frames_every")
+        )
     if one.kind == "remove-wall":
         side = values["wall"]
         if "from" in values:

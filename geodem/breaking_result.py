@@ -140,9 +140,7 @@ def _factor(end: StageEnd, names: Sequence[str]) -> dict[str, Any]:
         "undecided": list(found.undecided),
         "criterion": next((t.criterion for t in deciding if t.verdict == "failed"), ""),
         "failure": first_cracks(search, names),
-        "trials": [
-            {**trial.as_dict(), "seconds": round(trial.seconds, 3)} for trial in search.trials
-        ],
+        "trials": [{**trial.as_dict(), "seconds": round(trial.seconds, 3)} for trial in search.trials],
     }
 
 
@@ -170,9 +168,7 @@ def _points(case: BreakingCase, site: Site) -> list[dict[str, Any]]:
             "name": point.name,
             "at_m": site.origin[site.points[point.name]].tolist(),
             "displacement_m": [_number(part) for part in ways[point.name]],
-            "since_settled_m": [
-                _number(part) for part in (where - site.settled)[site.points[point.name]]
-            ],
+            "since_settled_m": [_number(part) for part in (where - site.settled)[site.points[point.name]]],
         }
         for point in case.points
     ]
@@ -216,7 +212,9 @@ def _warnings(ends: Sequence[StageEnd]) -> list[str]:
         found = end.search.bracket
         if found.value is None:
             side = "failed" if found.failed is None else "stood"
-            words.append(f"stage {end.stage.name!r}: no trial {side}, so the factor is known from one side only.")
+            words.append(
+                f"stage {end.stage.name!r}: no trial {side}, so the factor is known from one side only."
+            )
         if found.undecided:
             listed = ", ".join(f"{factor:g}" for factor in found.undecided)
             words.append(

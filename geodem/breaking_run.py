@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from .breaking.search import Search
 from .breaking.site import Site
 from .breaking.stages import FindFactor, Stage
 from .breaking_building import Works, build_works
+from .breaking_quick import quick
 from .breaking_result import StageEnd, assemble
 from .case.breaking import BreakingCase
 from .errors import InputError
@@ -26,12 +27,8 @@ from .plotting.breaking_pictures import breaking_pictures
 from .plotting.breaking_report import write_breaking_report
 from .run_progress import RunUpdate
 
-QUICK_PARTICLES = 1500
-QUICK_TOLERANCE = 0.2
 KEEP_SECONDS = 60.0
 """Of a long stage: time between places that can be gone on from [s]."""
-PER_GRAIN = ("tensile_strength", "cohesion")
-"""Of bonds whose law has numbers per contact: what grows with the grain, the strength of the ground being the same."""
 FRAMES = "frames"
 WRITTEN = (f"{FRAMES}/*", "failed-*/*", "figures/*.png")
 
@@ -59,7 +56,7 @@ def run_breaking(
     threads : int, optional
         All cores if left out; the bits do not depend on it.
     quickly : bool
-        About 1,500 particles and wide brackets, for a first look.
+        About 2,500 particles and wide brackets, for a first look.
     overwrite : bool
         Replace what the folder holds.
     watch : callable, optional
@@ -93,7 +90,13 @@ def run_breaking(
         watch(RunUpdate("build", "placing particles"))
     works = build_works(case)
     run.claim(overwrite=overwrite)
-    head = {"workflow": case.workflow, "title": case.title, "quick": quickly, "threads": count, "command": command}
+    head = {
+        "workflow": case.workflow,
+        "title": case.title,
+        "quick": quickly,
+        "threads": count,
+        "command": command,
+    }
     with run.going(head):
         ends = [
             _carry_out(run, works, number, stage, watch, stop_asked)
@@ -246,25 +249,6 @@ def _write(run: RunFolder, case: BreakingCase, works: Works, ends: list[StageEnd
     whole = run.whole(result)
     write_breaking_report(run.path / "report.html", whole, pictures, run.case_text)
     return run.finish(result)
-
-
-def quick(case: BreakingCase) -> BreakingCase:
-    """The case with few particles and wide brackets, for a first look."""
-    options = case.scene.particles
-    stages = tuple(
-        replace(one, values={**one.values, "tolerance": max(one.values["tolerance"], QUICK_TOLERANCE)})
-        if "tolerance" in one.values
-        else one
-        for one in case.stages
-    )
-    if options.arrangement == "pixel" or options.grading is not None:
-        why = "one in each pixel" if options.arrangement == "pixel" else "the grading says their sizes"
-        notice = f"--quick: the particles stay as they are ({why}); factors to {QUICK_TOLERANCE:.0%}."
-        return replace(case, stages=stages, notices=(*case.notices, notice))
-    count = min(options.particles or QUICK_PARTICLES, QUICK_PARTICLES)
-    notice = f"--quick: about {count} particles instead of the case's own; factors to {QUICK_TOLERANCE:.0%}."
-    scene = replace(case.scene, particles=replace(options, particles=count, radius=None))
-    return replace(case, scene=scene, stages=stages, notices=(*case.notices, notice))
 
 
 def _identity(text: str, copies: dict[str, Path]) -> str:

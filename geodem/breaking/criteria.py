@@ -111,4 +111,3 @@ def most_moved(ways: NDArray[np.float64], share: float) -> float:
     """Mean [m] of the largest of ways (n,) [m], of this share of all and of ten at least."""
     sizes = np.sort(ways)
     return float(sizes[-max(10, round(share * len(sizes))) :].mean())
-

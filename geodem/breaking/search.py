@@ -1,4 +1,4 @@
-"""Search for a factor of bonded ground: gravity increase, or strength reduction; every trial goes on from a stable state.
+"""Search for a factor of bonded ground, by gravity or by strength; every trial goes on from a state that stands.
 
 Trials are true motion under local damping: the load or the strength is changed gradually from the last state that
 stands, then held until the ground is at rest, has failed, or nobody can tell (`geodem.breaking.criteria`).
@@ -17,7 +17,8 @@ import numpy as np
 from ..io.checkpoint import Tree
 from ..stability.bracket import Bracket, Trial, bracket, next_factor
 from .criteria import Criteria, most_moved
-from .site import BATCH, Site, Watcher, table_of
+from .site import BATCH, Site, table_of
+from .watching import Watcher
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from ..particle_simulation import ParticleSimulation
 from .cracks import Cracks, cracks_of
 from .removal import Removal
 from .snapshot import bring_back, keep
+from .watching import Watcher
 from .weakening import Strength, set_strength
 
 Floats = NDArray[np.float64]
@@ -26,39 +27,6 @@ BATCH = 100
 """Steps between two looks."""
 RAMP_STEPS = 20
 """Steps between two changes of what is changed gradually."""
-
-
-class Watcher(Protocol):
-    """Whoever looks on while a site moves."""
-
-    def told(self, detail: str) -> None:
-        """Is told how far it is."""
-
-    def stop_asked(self) -> bool:
-        """Whether it is to stop."""
-
-    def frame(self, site: Site) -> None:
-        """A frame is due."""
-
-    def may_keep(self, site: Site) -> None:
-        """In a long stage: a place that can be gone on from."""
-
-
-class Silent:
-    """Nobody looks on."""
-
-    def told(self, detail: str) -> None:
-        """Nothing."""
-
-    def stop_asked(self) -> bool:
-        """Never."""
-        return False
-
-    def frame(self, site: Site) -> None:
-        """Nothing."""
-
-    def may_keep(self, site: Site) -> None:
-        """Nothing."""
 
 
 @dataclass(eq=False)

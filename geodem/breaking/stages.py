@@ -18,8 +18,9 @@ from ..errors import InputError
 from .criteria import Criteria
 from .removal import remove_particles
 from .search import SearchPlan
-from .site import BATCH, Site, Watcher
+from .site import BATCH, Site
 from .walls import wall_rows, without_walls
+from .watching import Watcher
 
 Floats = NDArray[np.float64]
 Where = Callable[[Site], NDArray[np.bool_]]

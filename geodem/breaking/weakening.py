@@ -1,7 +1,7 @@
 """Strength divided by a factor: of every law, by the names of its parameters; stiffness stays.
 
-Divided are strengths, cohesions, adhesions and coefficients of friction, which are tangents: what Zienkiewicz, Humpheson
-& Lewis 1975 (Geotechnique 25:671) do to c and tan(phi). Bolts are not ground: they keep what they bear.
+Divided are strengths, cohesions, adhesions and coefficients of friction, which are tangents: what Zienkiewicz,
+Humpheson & Lewis 1975 (Geotechnique 25:671) do to c and tan(phi). Bolts are not ground: they keep what they bear.
 """
 
 from __future__ import annotations

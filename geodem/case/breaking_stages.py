@@ -115,7 +115,10 @@ def _read(row: Table, places: Places) -> StageOptions | None:
 def _excavation(row: Table) -> None:
     places = [key for key in ("polygon", "centre", "material") if key in row]
     if not places:
-        row.missing("polygon", 'Write polygon = [[0, 0], [10, 0], [10, 5]], or centre and radius, or material = "ore".')
+        row.missing(
+            "polygon",
+            'Write polygon = [[0, 0], [10, 0], [10, 5]], or centre and radius, or material = "ore".',
+        )
     if "polygon" in row and "centre" in row:
         row.error("centre", "a polygon and a circle are given", "Keep one of the two.")
     if ("centre" in row) != ("radius" in row):

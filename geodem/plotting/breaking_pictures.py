@@ -1,4 +1,4 @@
-"""Pictures of ground that breaks: materials, displacements and cracks after every stage, and what measured points did."""
+"""Pictures of ground that breaks: materials, displacements and cracks by stage, and what measured points did."""
 
 from __future__ import annotations
 
@@ -81,8 +81,8 @@ def breaking_pictures(ends: Sequence[End]) -> dict[str, Drawn]:
             if ends[-1].site.points:
                 drawn = png(settlement_chart(end.search, ends[-1].site))
                 text = (
-                    "Measured points at every factor that was tried, from the moment its trial began. Each trial goes on "
-                    "from the highest state that stands."
+                    "Measured points at every factor that was tried, from the moment its trial began. Each trial goes "
+                    "on from the highest state that stands."
                 )
                 found[f"stage-{number}-settlement"] = Drawn(drawn, text, number)
         chart = history_chart(ends)
@@ -139,6 +139,9 @@ def history_chart(ends: Sequence[End]) -> Figure | None:
     rows = rows[np.isnan(rows[:, FACTOR])]
     if len(rows) < 2:
         return None
+    # a line ends where a search lies between two stages
+    jumps = np.flatnonzero(np.diff(rows[:, STAGE]) > 1.0) + 1
+    rows = np.insert(rows, jumps, np.nan, axis=0)
     d = site.simulation.dimension
     figure = new_figure(7.7, 4.4 if site.points else 2.6)
     count = 2 if site.points else 1
@@ -178,19 +181,32 @@ def history_chart(ends: Sequence[End]) -> Figure | None:
 def _both(found: dict[str, Drawn], name: str, site: Site, stage: int, words: str) -> None:
     cracks = site.cracks().by_mode()
     _add(
-        found, f"{name}-displacement", site, "displacement", stage, False,
-        f"Displacement since the ground settled, {words}.", "Displacement",
+        found,
+        f"{name}-displacement",
+        site,
+        "displacement",
+        stage,
+        False,
+        f"Displacement since the ground settled, {words}.",
+        "Displacement",
     )
     if sum(cracks.values()):
         _add(
             found, f"{name}-cracks", site, "material", stage, True,
-            f"Cracks by mode on the materials, {words}: {cracks['tension']:,} in tension, {cracks['shear']:,} in shear. "
-            "Cracks that have opened by more than half a grain show as gaps.", "Cracks",
+            f"Cracks by mode on the materials, {words}: {cracks['tension']:,} in tension, {cracks['shear']:,} in "
+            "shear. Cracks that have opened by more than half a grain show as gaps.", "Cracks",
         )  # fmt: skip
 
 
 def _add(
-    found: dict[str, Drawn], name: str, site: Site, colour: str, stage: int, cracks: bool, caption: str, title: str
+    found: dict[str, Drawn],
+    name: str,
+    site: Site,
+    colour: str,
+    stage: int,
+    cracks: bool,
+    caption: str,
+    title: str,
 ) -> None:
     try:
         found[name] = Drawn(png(site_figure(site, colour, title, cracks=cracks)), caption, stage)
@@ -243,4 +259,3 @@ def _changed(search: Search) -> str:
 
 def _axis(search: Search) -> str:
     return "gravity" if search.plan.kind == "gravity-increase" else "reduced strength"
-

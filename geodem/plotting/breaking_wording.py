@@ -7,8 +7,8 @@ from typing import Any
 
 NAMES = {"gravity-increase": "Gravity factor", "strength-reduction": "Strength factor of the bonded ground"}
 LIMITS = (
-    "The ground is bonded particles in true motion with local damping; it fails by breaking. Every trial goes on from the "
-    "highest state that stands, its load or strength changed gradually."
+    "The ground is bonded particles in true motion with local damping; it fails by breaking. Every trial goes on from "
+    "the highest state that stands, its load or strength changed gradually."
 )
 
 

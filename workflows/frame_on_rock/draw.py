@@ -1,9 +1,9 @@
-"""Draws the sections of frame_on_rock and frame_over_cavern, one pixel a particle: python workflows/frame_on_rock/draw.py
+"""Draws the sections of frame_on_rock and frame_over_cavern, one pixel a particle.
 
-The frame on jointed rock of Zhao (2015), High Performance Computing and the Discrete Element Model, section 4.3.4, whose
-drawings (figures 4.16 and 4.17) are lost. What the text gives: a megaframe on two blocks with a weak fault between them,
-9,129 particles of radius 2.5 m, a large cavern just below the frame, everything made of a picture. What is assumed: see
-README.md.
+The frame on jointed rock of Zhao (2015), High Performance Computing and the Discrete Element Model, section 4.3.4,
+whose drawings (figures 4.16 and 4.17) are lost. What the text gives: a megaframe on two blocks with a weak fault
+between them, 9,129 particles of radius 2.5 m, a large cavern just below the frame, everything made of a picture. What
+is assumed: see README.md.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""Draws the sections of rock_slope and bolted_slope, one pixel a particle: python workflows/rock_slope/draw.py
+"""Draws the sections of rock_slope and bolted_slope, one pixel a particle.
 
-The slope of Zhao (2015), High Performance Computing and the Discrete Element Model, section 4.3.3, whose drawing (figure
-4.8) is lost. What the text gives: about 700 m x 400 m, base rock, weak layer and top block, 10,951 particles of "mean
-size" 2.5 m, which is their radius: one particle a pixel of 5 m, as its chapter 2 makes particles of pictures. What is
-assumed: see README.md.
+The slope of Zhao (2015), High Performance Computing and the Discrete Element Model, section 4.3.3, whose drawing
+(figure 4.8) is lost. What the text gives: about 700 m x 400 m, base rock, weak layer and top block, 10,951 particles of
+"mean size" 2.5 m, which is their radius: one particle a pixel of 5 m, as its chapter 2 makes particles of pictures.
+What is assumed: see README.md.
 """
 
 from __future__ import annotations
@@ -68,7 +68,12 @@ def layer() -> Polygon:
         return (BRIDGE - away) / sum(a * n for a, n in zip(along, inward, strict=True))
 
     half = 0.5 * THICK
-    corners = [at(bridge(-half), -half), at(length + 40.0, -half), at(length + 40.0, half), at(bridge(half), half)]
+    corners = [
+        at(bridge(-half), -half),
+        at(length + 40.0, -half),
+        at(length + 40.0, half),
+        at(bridge(half), half),
+    ]
     return Polygon(corners).intersection(outline())
 
 
@@ -90,7 +95,9 @@ def bolts() -> list[Polygon]:
         reach /= sum(i * u for i, u in zip(inward, up, strict=True))
         tip = tuple(h + (reach + ANCHORAGE) * i for h, i in zip(head, inward, strict=True))
         half = (0.5 * BOLT_WIDTH * -inward[1], 0.5 * BOLT_WIDTH * inward[0])
-        corners = [(p[0] + s * half[0], p[1] + s * half[1]) for p, s in ((head, 1), (tip, 1), (tip, -1), (head, -1))]
+        corners = [
+            (p[0] + s * half[0], p[1] + s * half[1]) for p, s in ((head, 1), (tip, 1), (tip, -1), (head, -1))
+        ]
         found.append(Polygon(corners).intersection(outline()))
     return found
 
