@@ -32,7 +32,9 @@ class Criteria:
     steady : float
         ... and is not slower than this share of its largest speed [-]: what comes to rest has not failed.
     moving_share : float
-        What moves most: this share of the particles [-], and ten of them at least.
+        What moves most: this share of the particles [-], and ten of them at least. What has come to rest has failed as
+        well where that has gone so far since the search began, beyond what it would have settled without breaking:
+        ground that creeps from one rest to the next is not the same.
     balanced : float
         At the step limit: stands where the unbalanced force is below this share [-] ...
     creeping : float
@@ -91,6 +93,26 @@ class Criteria:
         if last > self.creeping * diameter and last > self.growing * before:
             return "failed", f"still moving, not slowing down, after {steps} steps"
         return "undecided", f"neither at rest nor failed after {steps} steps"
+
+    def count_all(self, answer: tuple[Verdict, str], total: float, diameter: float) -> tuple[Verdict, str]:
+        """The verdict, once what moved in the trials before counts too.
+
+        Parameters
+        ----------
+        answer : (verdict, rule)
+            Of the trial by itself.
+        total : float
+            Way of what moves most since the search began, beyond the settlement of unbroken ground [m].
+        diameter : float [m]
+        """
+        if answer[0] == "failed" or total <= self.failed_diameters * diameter:
+            return answer
+        rest = "came to rest" if answer[0] == "stable" else "not at rest"
+        return (
+            "failed",
+            f"{rest}, and what moves most has gone {total / diameter:.2g} particle diameters since the search began, "
+            f"more than {self.failed_diameters:g}",
+        )
 
     def _is_steady(self, history: Sequence[Look]) -> bool:
         """Whether the speed, over a tenth of the looks, has kept its size."""

@@ -181,16 +181,24 @@ class Search:
                 f"factor {factor:.4g}, {looks[-1][0]:,} of at most {most:,} steps, "
                 f"moved {way / site.diameter:.2g} diameters"
             )
-        verdict, criterion = answer
-        steps, ratio, way = looks[-1]
+        total = self._total(site)
+        verdict, criterion = criteria.count_all(answer, total, site.diameter)
+        steps, ratio, _ = looks[-1]
         self.trials.append(
             Trial(
-                factor, verdict, criterion, steps, ratio, way, s.assembly.particles, "fine",
+                factor, verdict, criterion, steps, ratio, total, s.assembly.particles, "fine",
                 time.perf_counter() - begun, looks,
             )
         )  # fmt: skip
         self.rows += site.history
         self._remember(site, factor, verdict)
+
+    def _total(self, site: Site) -> float:
+        """Way of what moves most since the search began, beyond the settlement of unbroken ground [m]."""
+        begun = Site.from_tree(self.base)
+        added = site.gravity_factor - begun.gravity_factor
+        ways = site.displacement(begun.positions_of_all()) - added * site.per_gravity[site.number]
+        return most_moved(np.sqrt((ways**2).sum(axis=1)), self.plan.criteria.moving_share)
 
     def _end(self) -> Site:
         """The site that later stages go on from, with the history of all trials."""

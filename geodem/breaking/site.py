@@ -44,6 +44,8 @@ class Site:
         The same of every bond.
     settled : (n0, d) [m]
         From where displacements count: where they were when they had settled.
+    per_gravity : (n0, d) [m]
+        Ways in which the ground settled, per gravity: about what another gravity adds while nothing breaks.
     gravity : (d,) [m/s2]
         At the factor 1.
     full : Strength
@@ -72,6 +74,7 @@ class Site:
     number: Integers
     bond: Integers
     settled: Floats
+    per_gravity: Floats
     gravity: Floats
     full: Strength
     weak: Floats
@@ -96,6 +99,7 @@ class Site:
             number=np.arange(len(start)),
             bond=np.arange(len(s.assembly.bonds)),
             settled=start.copy(),
+            per_gravity=np.zeros_like(start),
             gravity=s.assembly.gravity.copy(),
             full=Strength.of(s),
             weak=np.ones(len(s.assembly.material_names)),
@@ -235,6 +239,7 @@ class Site:
             "number": self.number.copy(),
             "bond": self.bond.copy(),
             "settled": self.settled.copy(),
+            "per_gravity": self.per_gravity.copy(),
             "gravity": self.gravity.copy(),
             "weak": self.weak.copy(),
             "full": {name: table.copy() for name, table in self.full._asdict().items()},
@@ -263,6 +268,7 @@ class Site:
             number=tree["number"].copy(),
             bond=tree["bond"].copy(),
             settled=tree["settled"].copy(),
+            per_gravity=tree["per_gravity"].copy(),
             gravity=tree["gravity"].copy(),
             full=Strength(**{name: table.copy() for name, table in tree["full"].items()}),
             weak=tree["weak"].copy(),

@@ -58,6 +58,8 @@ class Settle:
             )
         facts = {"gravity_factor": self.factor, **to_rest(site, self.criteria, watcher)}
         site.settled = _where_now(site)
+        if self.from_nothing:
+            site.per_gravity = (site.settled - site.origin) / self.factor
         return facts
 
 
