@@ -185,7 +185,8 @@ def _carry_out(
     if done is not None:
         if number + 1 < len(works.stages) and _kept(run, number + 1, works.stages[number + 1]) is not None:
             return done
-        works.site.take_over(done.site)
+        # what is done stays as it is while the next stage moves on
+        works.site.take_over(Site.from_tree(done.site.tree()))
         return done
     watcher = _Watcher(run, number, text, watch, stop_asked)
     begun = time.perf_counter()

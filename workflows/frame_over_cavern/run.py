@@ -17,14 +17,15 @@ def main(out: str = f"{HERE.name}-result", quickly: bool = False) -> int:
     result = geodem.run_case(HERE, out, quickly=quickly)
     wrong = 0
     for factor in result["factors"]:
+        told = f"{factor['kind']}: stands at {factor['stable']}, failed at {factor['failed']}"
+        if factor["kind"] not in expected:
+            print(told)
+            continue
         low, high = expected[factor["kind"]]
         found = factor["value"]
         good = found is not None and low <= found <= high
         wrong += not good
-        print(
-            f"{factor['kind']}: stands at {factor['stable']}, failed at {factor['failed']}; "
-            f"{'within' if good else 'NOT within'} {low} to {high}"
-        )
+        print(f"{told}; {'within' if good else 'NOT within'} {low} to {high}")
     print(f"Report: {out}/report.html")
     return 0 if wrong == 0 else 1
 
