@@ -182,7 +182,7 @@ def _openings(case: BreakingCase, positions: Floats, radii: Floats) -> dict[str,
                 f"stage[{number}].from", f"the opening is not in the wall {side!r}",
                 f"It reaches from {low:.4g} to {high:.4g} m along {'xy'[along]}.",
             )  # fmt: skip
-        cuts.setdefault(side, []).append((*ends, opening_name(side, number)))
+        cuts.setdefault(side, []).append((ends[0], ends[1], opening_name(side, number)))
     for side, parts in cuts.items():
         axis, upper = (0 if side in ("left", "right") else 1), side in ("right", "top")
         level = float((positions[:, axis] + radii).max() if upper else (positions[:, axis] - radii).min())

@@ -48,8 +48,8 @@ class Cracks:
         """Number of cracks."""
         return len(self.mode)
 
-    def where(self, mask: NDArray[np.bool_]) -> Cracks:
-        """Those of a mask (k,)."""
+    def where(self, mask: NDArray[np.bool_] | Integers) -> Cracks:
+        """Those of a mask (k,), or of numbers in their order."""
         return Cracks(**{part.name: getattr(self, part.name)[mask] for part in fields(Cracks)})
 
     def by_mode(self) -> dict[str, int]:

@@ -149,8 +149,8 @@ def _measured(result: Mapping[str, Any]) -> str:
         blocks.append(page.table(header, rows, numbers=(1, 2, 3)))
     if result["walls"]:
         unit = "N/m" if result["dimension"] == 2 else "N"
-        rows = [(wall["name"], shown(wall["force_N"])) for wall in result["walls"]]
-        blocks.append(page.table(("wall", f"force of the ground on it [{unit}]"), rows, numbers=(1,)))
+        forces = [(wall["name"], shown(wall["force_N"])) for wall in result["walls"]]
+        blocks.append(page.table(("wall", f"force of the ground on it [{unit}]"), forces, numbers=(1,)))
     unit = "J/m" if result["dimension"] == 2 else "J"
     energy = {name: f"{value:.4g}" for name, value in result["energy"].items() if value}
     blocks.append(page.table(("energy", f"[{unit}], imbalance [-]"), list(energy.items()), numbers=(1,)))

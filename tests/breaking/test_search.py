@@ -31,7 +31,7 @@ def test_the_bracket_holds_the_factor_of_a_hanging_chain(base, kind):
     assert found.width <= 0.02
     assert not found.undecided
     failed = [t for t in search.trials if t.verdict == "failed"]
-    assert all("diameters" in t.criterion for t in failed)
+    assert all("diameters" in t.criterion or "still moving" in t.criterion for t in failed)
 
 
 def test_what_goes_on_is_what_was_asked_for(base):
