@@ -170,7 +170,7 @@ def test_the_command_checks_and_refuses(tmp_path):
     folder = tmp_path / "pillar"
     folder.mkdir()
     (folder / "case.toml").write_text(CASE)
-    told = geodem("check", folder)
+    told = geodem("check", folder, "--out", tmp_path / "look.png")
     assert told.returncode == 0, told.stderr
     assert "Stage 3: undercut (excavate)" in told.stdout
     (folder / "case.toml").write_text(CASE.replace("[12.5, 10.5]", "[12.5, 21.5]"))

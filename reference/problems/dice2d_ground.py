@@ -1,9 +1,9 @@
 """DICE2D's slope and frame (Zhao 2015, sections 4.3.3 and 4.3.4): the workflows as they are, measured against its text.
 
 The drawings are lost; what the sections are read from and what is assumed stands in workflows/rock_slope and
-workflows/frame_on_rock. The text gives what stands and what fails at whole multiples of gravity: a factor between two of
-them is held to the half between. For the slope, whose weak layer and rock bridge are lost with the drawing, a quarter of
-the text's "approximately 4".
+workflows/frame_on_rock. The text gives what stands and what fails at whole multiples of gravity: a factor between two
+of them is held to the half between. For the slope, whose weak layer and rock bridge are lost with the drawing, a
+quarter of the text's "approximately 4".
 """
 
 from __future__ import annotations
