@@ -1,4 +1,4 @@
-"""The commands: geodem new | check | run | lab | calibrate | resume | plot | info.
+"""The commands: geodem new | check | run | lab | calibrate | sweep | resume | plot | info.
 
 Exit status 0: done; 2: bad input, nothing written over; 3: stopped, resumable; 1: a defect of ours.
 """
@@ -116,6 +116,55 @@ def calibrate(
     from .calibration_run import calibration_of
 
     _run(calibration_of(given, out.name), out, threads, quick, overwrite)
+
+
+@app.command()
+def sweep(
+    case: Annotated[
+        Path, typer.Argument(metavar="SWEEP", help="A sweep file, or the folder that holds it as case.toml.")
+    ],
+    out: OutOption = None,
+    threads: Annotated[
+        int | None,
+        typer.Option(min=1, help="Threads altogether; all cores if left out; with --only of the run."),
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Every run as a first look.")] = False,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace another sweep; runs that are the same are kept.")
+    ] = False,
+    only: Annotated[int | None, typer.Option(min=1, help="Do the run of this number, and no other.")] = None,
+    task: Annotated[
+        str | None, typer.Option(metavar="I/N", help="Do the I-th of N shares of the runs (I from 1).")
+    ] = None,
+    collect: Annotated[bool, typer.Option("--collect", help="Tabulate what is done; run nothing.")] = False,
+) -> None:
+    """Run a case with many values of its keys, and tabulate what comes of it."""
+    told = [name for name, given in (("--only", only), ("--task", task), ("--collect", collect)) if given]
+    if len(told) > 1:
+        raise InputError(told[1], f"{told[0]} and {told[1]} are given", "Give one of the two")
+    if not told:
+        _run(case, out, threads, quick, overwrite, workflow="sweep")
+        return
+    from .case.sweep_reading import load_unjudged
+    from .sweep_run import collect as collect_runs
+    from .sweep_run import run_some, share_of
+    from .workflow import default_folder
+
+    loaded = load_unjudged(case)
+    folder = out if out is not None else default_folder(case, quick)
+    if collect:
+        tell(collect_runs(loaded, folder, quickly=quick, command=_command()), folder, console)
+        return
+    numbers = [only] if only is not None else share_of(str(task), len(loaded.runs))
+    with _interruptible(folder) as stop_asked, progress_line(console) as watch:
+        records = run_some(
+            loaded, numbers, folder, threads=threads, quickly=quick, watch=watch, stop_asked=stop_asked
+        )
+    for number, record in zip(numbers, records, strict=True):
+        console.print(f"Run {number} {record.status}, {record.seconds:.3g} s")
+    failed = {n: record for n, record in zip(numbers, records, strict=True) if record.status == "failed"}
+    for number, record in failed.items():
+        raise InputError(f"run {number}", record.message.rstrip("."), "Other runs do not depend on it")
 
 
 def _run(

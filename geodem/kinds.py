@@ -210,6 +210,17 @@ _ALL = (
             "cracks in shear [-]": "cracks.shear",
         },
     ),
+    Kind(
+        "sweep",
+        "geodem sweep",
+        reader="case.sweep_reading:parse_sweep",
+        runner="sweep_run:run_sweep",
+        resumer="sweep_run:resume_sweep",
+        redrawer="sweep_run:redraw_sweep",
+        checker="sweep_check:check_sweep",
+        answerer="plotting.sweep_report:answer",
+        marks=("vary",),
+    ),
 )
 
 KINDS: Mapping[str, Kind] = {kind.name: kind for kind in _ALL}

@@ -99,13 +99,13 @@ def _watch_run(update: RunUpdate, live: Any, console: Console, shown: dict[str, 
     from .plotting.wording import duration
 
     line = f"{update.stage}: {update.text}"
+    left = "" if math.isnan(update.seconds_left) else f"about {duration(update.seconds_left)} left"
     if live is None:
         if line != shown["stage"]:
-            console.print(escaped(line))
+            console.print(escaped(f"{line}, {left}" if left else line))
         shown["stage"] = line
     elif line != shown["stage"] or time.perf_counter() - shown["time"] > 0.1:
         shown.update(stage=line, time=time.perf_counter())
-        left = "" if math.isnan(update.seconds_left) else f"about {duration(update.seconds_left)} left"
         more = ", ".join(text for text in (update.detail, left) if text)
         live.update(escaped(f"{line}\n  {more}" if more else line))
 

@@ -217,6 +217,31 @@ def parse(text: object, dimension: str, *, place: str) -> float:
     return value
 
 
+def split(text: object) -> tuple[str, str, str] | None:
+    """Number, unit and dimension of a number with a unit; None for all else.
+
+    Parameters
+    ----------
+    text : object
+        Text such as ``"25 kPa"``: "25", "kPa", "stress". A bare number has no unit and is dimensionless.
+    """
+    if isinstance(text, int | float) and not isinstance(text, bool):
+        return repr(text), "", "dimensionless"
+    number = _NUMBER.match(text.strip()) if isinstance(text, str) else None
+    if number is None:
+        return None
+    assert isinstance(text, str)
+    symbol = text.strip()[number.end() :].strip()
+    dimension = _OWNER.get(_ALIASES.get(symbol, symbol))
+    return None if dimension is None else (number.group(), symbol, dimension)
+
+
+def in_unit(value: float, unit: str) -> float:
+    """A value [SI] in a unit that `split` has found."""
+    symbol = _ALIASES.get(unit, unit)
+    return value / float(_DIMENSIONS[_OWNER[symbol]].units[symbol])
+
+
 def show(value: float, dimension: str) -> str:
     """A value as a reader wants it: 25000.0 Pa is "25 kPa".
 
