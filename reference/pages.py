@@ -1,4 +1,4 @@
-"""docs/verification.md and docs/performance.md, made from the stored results; nobody types a number there.
+"""docs/verification.md, docs/performance.md and the gallery, made from what is stored; nobody types a number there.
 
 The tables are read from ``slopes.json``, ``ground.json`` and those of the benchmarks of discs and spheres (see
 `reference.pages_engine`) in ``reference/results``. A file that is absent is told as such on the page.
@@ -22,11 +22,12 @@ from reference.pages_engine import SECTIONS, engine_part, write_engine_picture
 from reference.pages_frontier import NAME as FRONTIER
 from reference.pages_frontier import PICTURE as FRONTIER_PICTURE
 from reference.pages_frontier import frontier_part, write_frontier_picture
+from reference.pages_gallery import write_gallery
 from reference.pages_laboratory import laboratory_sections
 from reference.pages_particles import particle_sections
 from reference.pages_tables import DILATIONS, METHODS, Row, by_case, groups, number, sizes, table
 
-HELP = "write docs/verification.md and docs/performance.md from the stored results"
+HELP = "write docs/verification.md, docs/performance.md and docs/gallery.md from what is stored"
 
 ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "reference" / "results"
@@ -66,7 +67,7 @@ def main(arguments: argparse.Namespace) -> int:
 
 
 def write_pages(results: Path = RESULTS, docs: Path = DOCS) -> list[Path]:
-    """Write both pages and, where slopes were run, the picture of error against run time.
+    """Write the pages, their pictures, and the gallery of the workflows (`reference.pages_gallery`).
 
     Parameters
     ----------
@@ -116,7 +117,7 @@ def write_pages(results: Path = RESULTS, docs: Path = DOCS) -> list[Path]:
         written.append(picture)
     else:
         picture.unlink(missing_ok=True)
-    return written
+    return written + write_gallery(docs)
 
 
 def read_results(path: Path) -> Stored:

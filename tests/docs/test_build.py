@@ -7,6 +7,7 @@ import sys
 import pytest
 
 from reference.pages import RESULTS, write_pages
+from reference.pages_gallery import read_workflow, write_gallery
 from tests.docs.pages import DOCS, LINK, ROOT, anchors, pages, prose
 
 CONFIGURATION = DOCS / "mkdocs" / "mkdocs.yml"
@@ -54,12 +55,51 @@ def test_every_link_leads_somewhere(page):
 
 def test_generated_pages_are_those_of_the_stored_results(tmp_path):
     write_pages(RESULTS, tmp_path)
-    for name in ("verification.md", "performance.md"):
+    for name in ("verification.md", "performance.md", "gallery.md"):
         assert (DOCS / name).read_text() == (tmp_path / name).read_text(), "run: python -m reference pages"
 
 
+def test_the_gallery_shows_every_workflow(tmp_path):
+    page = (DOCS / "gallery.md").read_text()
+    write_gallery(tmp_path)
+    folders = {case.parent for case in (ROOT / "workflows").glob("*/case.toml")}
+    assert folders == {
+        folder for folder in (ROOT / "workflows").iterdir() if (folder / "README.md").is_file()
+    }
+    for folder in folders:
+        kept = DOCS / "pictures" / "gallery" / f"{folder.name}.png"
+        assert kept.is_file(), "run: python -m reference pages"
+        assert kept.read_bytes() == (tmp_path / "pictures" / "gallery" / kept.name).read_bytes(), kept
+        assert f"`workflows/{folder.name}`" in page
+        assert f"geodem run workflows/{folder.name}" in page or f"workflows/{folder.name} " in page
+    assert len(list((DOCS / "pictures" / "gallery").iterdir())) == len(folders)
+
+
+@pytest.mark.parametrize("lacking", ["picture", "command", "title", "paragraph", "README"])
+def test_a_workflow_without_a_picture_is_refused(tmp_path, lacking):
+    folder = tmp_path / "new_one"
+    folder.mkdir()
+    (folder / "case.toml").write_text('workflow = "ground"\n[source]\nimage = "section.png"\n')
+    for name in ("section.png", "result.png"):
+        (folder / name).write_bytes(b"")
+    parts = {
+        "title": "# A question", "paragraph": "What is\nit?", "input": "![Drawing](section.png)",
+        "command": "    geodem run workflows/new_one   # a minute", "picture": "![Answer](result.png)",
+    }  # fmt: skip
+    (folder / "README.md").write_text("\n\n".join(parts.values()))
+    found = read_workflow(folder)
+    assert (found.title, found.paragraph, found.caption) == ("A question", "What is it?", "Answer")
+    assert found.commands == ("geodem run workflows/new_one   # a minute",)
+    assert found.picture == folder / "result.png"
+    (folder / "README.md").write_text("\n\n".join(text for name, text in parts.items() if name != lacking))
+    if lacking == "README":
+        (folder / "README.md").unlink()
+    with pytest.raises(ValueError, match="lacks .*" + ("a picture" if lacking == "README" else lacking)):
+        read_workflow(folder)
+
+
 def test_pictures_are_light():
-    pictures = list((DOCS / "pictures").glob("*.png"))
+    pictures = list((DOCS / "pictures").rglob("*.png"))
     assert pictures
     for picture in pictures:
         assert picture.stat().st_size < 300_000, picture
