@@ -91,6 +91,11 @@ def run_sweep(
             [run.number for run in left], order, processes=processes, ended=course.ended,
             waiting=course.tell, stop_asked=stop_asked,
         )  # fmt: skip
+        if any(record.status not in ("done", "failed") for record in records.values()):
+            folder.stop(tabulate("stopped"))
+            raise InputError(
+                "geodem", "it was changed while the sweep went on", "The same command does what is left"
+            )
         return folder.finish(tabulate("done"))
 
 

@@ -10,8 +10,8 @@ from typing import Any
 from ..errors import InputError
 from ..kinds import KINDS, kind_of
 from .document import parse_document, read_text
-from .head import CaseHead, read_head
 from .document_places import steps_of
+from .head import CaseHead, read_head
 from .source_files import find_file
 from .sweep import SweepCase, SweepRun, judge
 from .sweep_values import EXAMPLE, read_list, read_varied
