@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -124,14 +124,23 @@ def run_some(
                 "--only", f"the sweep has the runs 1 to {len(case.runs)}", "Give one of them", value=number
             )
     folder = sweep_folder(case, out, quickly)
-    if not folder.claim():
-        folder.begin(assemble(case, {}, out) | {"quick": quickly})
+    if not folder.claim(shared=True):
+        _begin(folder, assemble(case, {}, out) | {"quick": quickly})
     return [
         carry_out(
             case, case.runs[number - 1], out, threads=threads, quickly=quickly, watch=watch, stop_asked=stop_asked
         )
         for number in numbers
     ]  # fmt: skip
+
+
+def _begin(folder: RunFolder, head: Mapping[str, Any]) -> None:
+    """Begin a sweep that other tasks of an array job begin at the same moment, with the same content."""
+    try:
+        folder.begin(head)
+    except InputError:
+        if not folder.stored():
+            raise
 
 
 def share_of(task: str, runs: int) -> list[int]:

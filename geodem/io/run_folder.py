@@ -75,13 +75,15 @@ class RunFolder:
         done = held.get("status") == "done" and held.get("sources_digest") == sources_digest()
         return held if done and there else None
 
-    def claim(self, *, overwrite: bool = False) -> bool:
+    def claim(self, *, overwrite: bool = False, shared: bool = False) -> bool:
         """Make the folder ready; whether it holds a run of the same case, to be gone on with.
 
         Parameters
         ----------
         overwrite : bool
             Take away what another run left, or the same one.
+        shared : bool
+            Others may be writing there, from other machines as well: parts of files that they are at are left alone.
 
         Raises
         ------
@@ -112,7 +114,8 @@ class RunFolder:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise cannot_write(folder, error) from error
-        remove_unfinished(folder)
+        if not shared:
+            remove_unfinished(folder)
         if ours and overwrite:
             for pattern in self.written:
                 for path in folder.glob(pattern):
