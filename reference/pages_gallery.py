@@ -140,7 +140,7 @@ def _entry(workflow: Workflow) -> str:
 
 def _wanted(expected: Mapping[str, Any]) -> list[tuple[str, ...]]:
     """Rows of what must be found: entries with a value, or a factor, and where it comes from."""
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for key, entry in expected.items():
         if not isinstance(entry, Mapping) or "source" not in entry:
             continue
