@@ -187,7 +187,7 @@ def test_another_sweep_is_not_written_over(sweep, whole, tmp_path, call):
     out = tmp_path / "out"
     shutil.copytree(whole, out)
     more = write_sweep(tmp_path / "more")
-    (more / "case.toml").write_text(SWEEP.replace('"0.04 MPa"]', '"0.04 MPa", "4 GPa"]'))
+    (more / "case.toml").write_text(SWEEP.replace('"0.04 MPa"]', '"0.04 MPa", "0.06 MPa"]'))
     before = content(out)
     refused = call("sweep", more, "--out", out)
     assert refused.status == 2

@@ -190,11 +190,10 @@ def _of_run(error: InputError, run: SweepRun) -> InputError:
     """An error of a varied key at that key, any other with the run that it is of."""
     if error.place.startswith("vary."):
         return error
-    place = f"case, {error.place}"
+    place, problem = f"case, {error.place}", f"{error.problem} (with {run.told})"
     if error.place in run.values:
-        place = f"vary.{error.place}"
-    elif any(error.place.startswith(f"{key}.") or error.place.startswith(f"{key}[") for key in run.values):
-        place = f"vary, {error.place}"
-    else:
-        return InputError(place, f"{error.problem} (with {run.told})", error.remedy, value=error.value)
-    return InputError(place, error.problem, error.remedy, value=error.value)
+        place, problem = f"vary.{error.place}", error.problem
+    elif any(error.place.startswith((f"{key}.", f"{key}[")) for key in run.values):
+        place, problem = f"vary, {error.place}", error.problem
+    remedy = error.remedy.replace("at the top of the file", "at the top of the case")
+    return InputError(place, problem, remedy, value=error.value)

@@ -145,6 +145,14 @@ def test_a_fault_is_told_once_for_a_value(folder):
     ]
 
 
+def test_what_looks_mistaken_is_allowed_in_the_case(folder):
+    text = HEAD + COHESION.replace('"10 kPa"', '"4 GPa"')
+    with pytest.raises(InputError, match=r"Did you mean .4 MPa.*\n?.*at the top of the case"):
+        parse_sweep(text, folder)
+    (folder / "bank.toml").write_text('allow_implausible = ["material.soil.cohesion"]\n' + SLOPE)
+    assert len(parse_sweep(text, folder).runs) == 2
+
+
 def test_many_runs_that_are_meant(folder):
     text = HEAD + "allow_runs = 1500\n[vary]\nseed = {from = 1, to = 1500, step = 1}\n"
     assert len(read_sweep(text, folder).runs) == 1500
