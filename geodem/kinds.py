@@ -58,6 +58,8 @@ class Kind:
         Top-level keys that tell this kind where a case names none.
     table : mapping of str to str
         What a sweep tabulates unless it says otherwise: name with unit, place in result.json.
+    picture : str
+        Pattern of the figure that shows best what came of a run; the first one of these stands in a sweep's report.
     processes : bool
         Its parts run in processes of their own, which compile side by side.
     """
@@ -72,6 +74,7 @@ class Kind:
     answerer: str
     marks: tuple[str, ...] = ()
     table: Mapping[str, str] = field(default_factory=dict)
+    picture: str = "*.png"
     processes: bool = False
 
     def parse(self, text: str, folder: Path) -> AnyCase:
@@ -147,6 +150,7 @@ _ALL = (
             "factor of safety [-]": "factors[kind=strength-reduction].value",
             "gravity factor [-]": "factors[kind=gravity-increase].value",
         },
+        picture="*-failure.png",
     ),
     Kind(
         "laboratory",

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from geodem.io.files import write_whole
+from geodem.kinds import KINDS
 from geodem.plotting import page, sections
 from geodem.plotting.laboratory_report import write_figures
 from geodem.plotting.page import Markup, text
@@ -136,7 +137,7 @@ def _pictures(result: Mapping[str, Any], folder: Path) -> str:
     chosen = [done[round(k * (len(done) - 1) / max(count - 1, 1))] for k in range(count)]
     figures = []
     for row in chosen:
-        picture = _picture(folder / row["folder"] / "figures")
+        picture = _picture(folder / row["folder"] / "figures", KINDS[result["of"]].picture)
         if picture is not None:
             caption = f"Run {row['number']}: {row['told']}"
             figures.append(page.figure(picture, caption, alternative=caption, wide=False))
@@ -145,11 +146,11 @@ def _pictures(result: Mapping[str, Any], folder: Path) -> str:
     return page.section("pictures", "Pictures", f'<div class="grid">{"".join(figures)}</div>')
 
 
-def _picture(folder: Path) -> bytes | None:
-    """The first figure of a run, made smaller; None where it has none."""
+def _picture(folder: Path, pattern: str) -> bytes | None:
+    """The figure of a run that its kind shows, or else the first one, made smaller; None where it has none."""
     from PIL import Image
 
-    for path in sorted(folder.glob("*.png")):
+    for path in (*sorted(folder.glob(pattern)), *sorted(folder.glob("*.png"))):
         try:
             with Image.open(path) as image:
                 small = image.convert("RGB")
