@@ -67,9 +67,7 @@ def make_filling(
     return made, filling
 
 
-def scene_of(
-    case: SceneCase, body: Body, filling: BodyFilling, *, walls: Sequence[Wall] = ()
-) -> BondedScene:
+def scene_of(case: SceneCase, body: Body, filling: BodyFilling, *, walls: Sequence[Wall] = ()) -> BondedScene:
     """The scene of a case whose particles are there, with more walls than its sides have; raises as `make_scene`."""
     d = body.dimension
     joints = [

@@ -77,8 +77,8 @@ def write_gallery(docs: Path, workflows: Path = WORKFLOWS) -> list[Path]:
 
 
 def read_workflows(workflows: Path = WORKFLOWS) -> list[Workflow]:
-    """Every folder that holds a case.toml, by name; raises ValueError as `write_gallery`."""
-    return [read_workflow(case.parent) for case in sorted(workflows.glob("*/case.toml"))]
+    """Every folder that holds a README.md, by name; raises ValueError as `write_gallery`."""
+    return [read_workflow(readme.parent) for readme in sorted(workflows.glob("*/README.md"))]
 
 
 def read_workflow(folder: Path) -> Workflow:
