@@ -37,6 +37,29 @@ class SparseVectors(NamedTuple):
     vector: Floats
 
 
+class Links(NamedTuple):
+    """Links of supports: each answers to one generalised stretch, sum over particles of g . u, with one force.
+
+    Attributes
+    ----------
+    gradient : SparseVectors, rows = links, columns = particles
+        [-] for a lengthening, [1/m] for a turning.
+    particle_gradient : SparseVectors, rows = particles, columns = links
+    table : (k, 3)
+        Stiffness, lower and upper limit of the force, per metre of tunnel: [N/m2, N/m] for a lengthening,
+        [N, N] for a turning.
+    """
+
+    gradient: SparseVectors
+    particle_gradient: SparseVectors
+    table: Floats
+
+    @property
+    def count(self) -> int:
+        """Number of links."""
+        return len(self.table)
+
+
 @dataclass(frozen=True)
 class Model:
     """Stress-carrying particles of one section, their materials, supports and loads.
@@ -62,6 +85,9 @@ class Model:
         Forces that gravity does not scale (surcharges).
     held : (n, 2) bool
         Freedoms held by supports.
+    links : Links
+        Linings, bolts and springs of the far ground; none in a plain section. Nodes of bolts are particles without
+        area, weight or stress points, behind the ground's own.
     """
 
     positions: Floats
@@ -79,6 +105,7 @@ class Model:
     weight: Floats
     load: Floats
     held: NDArray[np.bool_]
+    links: Links | None = None
 
     @property
     def particles(self) -> int:
@@ -100,7 +127,8 @@ class Model:
             np.bincount(self.point_particle, values[:, k] * self.point_area, minlength=self.particles)
             for k in range(values.shape[1])
         ]
-        return np.asarray(np.stack(columns, axis=1) / self.particle_area[:, None])
+        area = np.where(self.particle_area > 0.0, self.particle_area, 1.0)
+        return np.asarray(np.stack(columns, axis=1) / area[:, None])
 
     def with_parameters(self, parameters: Sequence[Any]) -> Model:
         """The same model with other material parameters (one tuple per material)."""
@@ -113,6 +141,16 @@ class Model:
             parts = value if isinstance(value, SparseVectors) else (value,)
             total += sum(part.nbytes for part in parts if isinstance(part, np.ndarray))
         return total
+
+
+def make_links(rows: Sequence[tuple[Sequence[int], Floats]], table: Floats, particles: int) -> Links:
+    """Links from the particles (m,) and vectors (m, 2) of each, and their table (k, 3)."""
+    count = len(rows)
+    row = np.repeat(np.arange(count), [len(index) for index, _ in rows])
+    column = np.concatenate([np.asarray(index, dtype=np.int64) for index, _ in rows] or [np.zeros(0, np.int64)])
+    vector = np.concatenate([np.asarray(v, dtype=np.float64) for _, v in rows] or [np.zeros((0, 2))])
+    gradient = _compress(row, column, vector, count, particles)
+    return Links(gradient, transposed(gradient, particles), np.asarray(table, dtype=np.float64).reshape(-1, 3))
 
 
 def triangle_areas(positions: Floats, triangles: Integers) -> Floats:
@@ -182,7 +220,7 @@ def build_model(
     columns = np.repeat(triangles.astype(np.int64), 3, axis=0).ravel()
     vectors = np.repeat(gradients, 3, axis=0).reshape(-1, 2)
     point_gradient = _compress(rows, columns, vectors, points, count)
-    particle_gradient = _transposed(point_gradient, count)
+    particle_gradient = transposed(point_gradient, count)
 
     point_weight = point_area * np.asarray(densities, dtype=np.float64)[point_material]
     mass = np.bincount(point_particle, point_weight, minlength=count)
@@ -240,7 +278,8 @@ def _compress(
     return SparseVectors(start, column.astype(np.int32), np.ascontiguousarray(total))
 
 
-def _transposed(rows: SparseVectors, column_count: int) -> SparseVectors:
+def transposed(rows: SparseVectors, column_count: int) -> SparseVectors:
+    """The same entries by column: rows of the result are columns of `rows`, each in the order of the old rows."""
     row_of_entry = np.repeat(np.arange(len(rows.start) - 1), np.diff(rows.start))
     order = np.argsort(rows.column, kind="stable")
     start = np.zeros(column_count + 1, dtype=np.int32)

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from ._jit import ThreadPilot, add_compile_seconds, compile_kernel
 from .integrators.direct_solve import solve_elastic, stiffness
 from .integrators.relaxation import scaled_mass
-from .kernels import stress_particles
+from .kernels import stress_particles, supports
 from .laws import GROUND_LAWS
-from .measure.energy import EnergyAccount, elastic_energy
-from .model import Model
+from .laws.support import bar
+from .measure.energy import EnergyAccount, elastic_energy, links_energy
+from .model import Model, make_links
 from .state import State
 
 if TYPE_CHECKING:
@@ -51,6 +52,7 @@ class ElasticState:
     displacement: Floats  # (n, 2) [m], from the unloaded state
     stress: Floats  # (s, 3) [Pa]
     mean_displacement: float  # [m]
+    support: Floats | None = None  # (k, 3) of links, zero where left out
 
 
 class Simulation:
@@ -69,6 +71,8 @@ class Simulation:
         Damping over critical of the lowest frequency in motion [-].
     elastic : ElasticState, optional
         The elastic state, where a checkpoint holds it; solved if left out.
+    kept : (n, 2) [N/m], optional
+        Forces beside weight and loads that `set_kept` takes away: those of ground that was excavated.
     """
 
     def __init__(
@@ -79,6 +83,7 @@ class Simulation:
         energy: bool = True,
         damping_ratio: float = DAMPING_RATIO,
         elastic: ElasticState | None = None,
+        kept: Floats | None = None,
     ) -> None:
         self.model = model
         self.law = GROUND_LAWS[model.law]
@@ -90,10 +95,12 @@ class Simulation:
         self.inverse_mass = np.where(model.held, 0.0, 1.0 / self.mass)
         self.gravity_factor = 1.0
         self.load_factor = 1.0
-        self.external = model.weight + model.load
-        weight = np.sqrt((model.weight[~model.held] ** 2).sum())
-        load = np.sqrt((model.load[~model.held] ** 2).sum())
-        self.force_scale = float(max(weight, load)) or 1.0
+        self.kept = np.zeros_like(model.load) if kept is None else kept
+        self.external = model.weight + model.load + self.kept
+        sizes = [np.sqrt((part[~model.held] ** 2).sum()) for part in (model.weight, model.load, self.kept)]
+        self.force_scale = float(max(sizes)) or 1.0
+        self.links = make_links([], np.zeros((0, 3)), model.particles) if model.links is None else model.links
+        self._pushed = np.zeros((model.particles if self.links.count else 0, 2))
         self.elastic = self.solve(self.external, matrix) if elastic is None else elastic
         self.matrix = matrix
         chunks = (model.particles + CHUNK - 1) // CHUNK
@@ -104,10 +111,12 @@ class Simulation:
         self.begin()
 
     def _compile(self, energy: bool) -> ModuleType:
+        supported = self.links.count > 0
         functions = [
             self.law.update_stress,
             self.law.elastic_energy,
             stress_particles.deform,
+            *([bar.update_force, supports.stretch, supports.hold] if supported else []),
             stress_particles.move,
             stress_particles.relax,
         ]
@@ -115,6 +124,7 @@ class Simulation:
             **self.law.features(self.model.parameters, plastic=self.plastic),
             "ONE_MATERIAL": len(self.model.parameters) == 1,
             "ENERGY": energy,
+            "SUPPORTED": supported,
             "CHUNK": CHUNK,
         }
         return compile_kernel(
@@ -135,6 +145,7 @@ class Simulation:
         *,
         displacement: Floats | None = None,
         plastic_shear_strain: Floats | None = None,
+        support: Floats | None = None,
     ) -> None:
         """Start again at rest, with a new energy account.
 
@@ -145,6 +156,8 @@ class Simulation:
         displacement : (n, 2) [m], optional
         plastic_shear_strain : (s,) [-], optional
             Zero if left out; given, they are continued.
+        support : (k, 3), optional
+            Of the links; the elastic state's if left out.
         """
         state = State.at_rest(self.model)
         state.stress[:, :3] = self.elastic.stress if stress is None else stress
@@ -152,9 +165,22 @@ class Simulation:
             state.displacement[:] = displacement
         if plastic_shear_strain is not None:
             state.stress[:, 3] = plastic_shear_strain
+        support = self.elastic.support if support is None else support
+        if support is not None:
+            state.support[:] = support
         state.start_work = float((self.external * state.displacement).sum())
-        state.start_elastic = elastic_energy(self.model, self.law, state.stress)
+        state.start_elastic = self._stored(state)
+        state.start_links = float(state.support[:, 2].sum())
         self.state = state
+
+    def _stored(self, state: State) -> float:
+        """Elastic energy of ground and links [J/m]."""
+        return elastic_energy(self.model, self.law, state.stress) + links_energy(self.links, state.support)
+
+    def set_kept(self, kept: Floats) -> None:
+        """Forces (n, 2) [N/m] beside weight and loads from now on: of ground that was excavated, of an air pressure."""
+        self.kept = kept
+        self._set_external()
 
     def set_gravity(self, factor: float) -> None:
         """Multiply gravity (and its pseudo-static part) by `factor`; loads stay."""
@@ -167,7 +193,9 @@ class Simulation:
         self._set_external()
 
     def _set_external(self) -> None:
-        self.external = self.model.weight * self.gravity_factor + self.model.load * self.load_factor
+        self.external = (
+            self.model.weight * self.gravity_factor + self.model.load * self.load_factor + self.kept
+        )
 
     def set_strength(self, factor: float) -> None:
         """Divide the strength of every material by `factor`."""
@@ -191,6 +219,7 @@ class Simulation:
             *model.point_gradient, model.point_area, model.point_material, self.table,
             *model.particle_gradient,
             state.velocity, state.displacement, state.force, state.stress, state.dissipation, self._sums,
+            *self.links.gradient, self.links.table, *self.links.particle_gradient, state.support, self._pushed,
         )  # fmt: skip
         seconds = time.perf_counter() - start
         if len(self._kernel.relax.signatures) > known:
@@ -242,8 +271,10 @@ class Simulation:
         state, model = self.state, self.model
         return EnergyAccount(
             external_work=float((self.external * state.displacement).sum()) - state.start_work,
-            elastic=elastic_energy(model, self.law, state.stress) - state.start_elastic,
-            plastic=float((state.dissipation * model.point_area).sum()),
+            elastic=self._stored(state) - state.start_elastic,
+            plastic=float((state.dissipation * model.point_area).sum())
+            + float(state.support[:, 2].sum())
+            - state.start_links,
             damping=state.damping_work,
             kinetic=float(0.5 * (self.mass * state.velocity**2)[~model.held].sum()),
         )

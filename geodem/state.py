@@ -38,6 +38,12 @@ FIELDS = (
         "in-plane stress xx, yy, xy (tension positive); plastic shear strain",
     ),
     Field("dissipation", "J/m3", "(stress points,)", "plastic work per volume"),
+    Field(
+        "support",
+        "N/m or N, m or -, J/m",
+        "(links, 3)",
+        "force or moment of every link of a support, its plastic stretch, its plastic work",
+    ),
 )
 """Every array of the state: writers, checkpoints and documentation read this table."""
 
@@ -51,8 +57,10 @@ class State:
     force: Floats
     stress: Floats
     dissipation: Floats
+    support: Floats
     start_work: float = 0.0  # external forces times the displacement at the start [J/m]
     start_elastic: float = 0.0  # elastic energy at the start [J/m]
+    start_links: float = 0.0  # plastic work of the links at the start [J/m]
     damping: float = 0.0  # [1/step]
     damping_work: float = 0.0  # [J/m]
     steps: int = 0
@@ -61,7 +69,10 @@ class State:
     def at_rest(cls, model: Model) -> State:
         """A stress-free state at rest."""
         n, s = model.particles, model.stress_points
-        return cls(np.zeros((n, 2)), np.zeros((n, 2)), np.zeros((n, 2)), np.zeros((s, 4)), np.zeros(s))
+        links = 0 if model.links is None else model.links.count
+        return cls(
+            np.zeros((n, 2)), np.zeros((n, 2)), np.zeros((n, 2)), np.zeros((s, 4)), np.zeros(s), np.zeros((links, 3))
+        )
 
     def copy(self) -> State:
         """An independent copy."""

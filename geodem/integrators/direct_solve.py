@@ -69,7 +69,25 @@ def stiffness(model: Model) -> csr_matrix:
         + mixed.T
         + shear.T @ tangent @ shear
     )
+    if model.links is not None:
+        stretches = link_operator(model)
+        matrix = matrix + stretches.T @ diags(model.links.table[:, 0]) @ stretches
     return matrix.tocsr()
+
+
+def link_operator(model: Model) -> csr_matrix:
+    """Sparse (k, 2 n) matrix from displacements to the stretches of the links."""
+    from scipy.sparse import csr_matrix
+
+    assert model.links is not None
+    start, index, vector = model.links.gradient
+    row = np.repeat(np.arange(model.links.count), np.diff(start))
+    column = 2 * index.astype(np.int64)
+    shape = (model.links.count, 2 * model.particles)
+    return csr_matrix(
+        (np.concatenate([vector[:, 0], vector[:, 1]]), (np.concatenate([row, row]), np.concatenate([column, column + 1]))),
+        shape=shape,
+    )
 
 
 def elastic_stress(model: Model, displacement: Floats) -> Floats:

@@ -13,12 +13,14 @@ from __future__ import annotations
 import math
 
 from ..laws.ground.mohr_coulomb import elastic_energy, update_stress
+from .supports import hold, stretch
 
 prange = range
 
 # What a scene may lack; set by the module that the kernel is compiled in.
 ONE_MATERIAL = False
 ENERGY = True
+SUPPORTED = False
 CHUNK = 128
 
 
@@ -128,11 +130,13 @@ def relax(
     point_start, point_index, point_vector, area, material, table,
     particle_start, particle_index, particle_vector,
     velocity, displacement, force, stress, dissipation, sums,
+    link_start, link_index, link_vector, link_table, holding_start, holding_index, holding_vector, support, pushed,
 ):  # fmt: skip
     """`steps` steps of adaptive viscous relaxation.
 
     The damping is `damping_ratio` times critical for the lowest frequency that the present motion shows, the Rayleigh
-    quotient v.(change of force)/v.m.v; in plastic flow the quotient falls to zero and so does the damping.
+    quotient v.(change of force)/v.m.v; in plastic flow the quotient falls to zero and so does the damping. Links of
+    supports, where there are any, push with the ground; `pushed` (n, 2) is room for the sum.
 
     Returns
     -------
@@ -142,9 +146,12 @@ def relax(
     damped = 0.0
     for _ in range(steps):
         deform(velocity, point_start, point_index, point_vector, area, material, table, stress, dissipation)
+        if SUPPORTED:
+            stretch(velocity, link_start, link_index, link_vector, link_table, support)
+            hold(support, holding_start, holding_index, holding_vector, external, pushed)
         move(
-            stress, particle_start, particle_index, particle_vector, external, inverse_mass, damping,
-            velocity, displacement, force, sums,
+            stress, particle_start, particle_index, particle_vector, pushed if SUPPORTED else external, inverse_mass,
+            damping, velocity, displacement, force, sums,
         )  # fmt: skip
         softening = 0.0
         inertia = 0.0

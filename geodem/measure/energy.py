@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import Model
+from ..model import Links, Model
 
 
 class EnergyAccount(NamedTuple):
@@ -36,3 +36,8 @@ def elastic_energy(model: Model, law: ModuleType, stress: NDArray[np.float64]) -
     moduli = np.array([law.elastic_moduli(p) for p in model.parameters])[model.point_material]
     density = law.elastic_energy(moduli[:, 0], moduli[:, 1], stress[:, 0], stress[:, 1], stress[:, 2])
     return float((density * model.point_area).sum())
+
+
+def links_energy(links: Links, support: NDArray[np.float64]) -> float:
+    """Elastic energy of links (k, 3) of force, plastic stretch and plastic work [J/m]: force^2 / (2 stiffness)."""
+    return float((0.5 * support[:, 0] ** 2 / links.table[:, 0]).sum())

@@ -77,7 +77,12 @@ class GravityIncrease:
         simulation.set_gravity(factor)
 
     def stress_at(self, simulation: Simulation, stress: Floats, at: float, factor: float) -> Floats:
-        """The elastic answer to the added gravity is solved, not relaxed; the yield condition then corrects it."""
+        """The elastic answer to the added gravity is solved, not relaxed; the yield condition then corrects it.
+
+        Where supports hold the ground it is relaxed: they bear part of it.
+        """
+        if simulation.model.links is not None:
+            return stress
         return stress + (factor - at) * self._unit.stress
 
     def settlement(self, simulation: Simulation, factor: float) -> float:
@@ -105,7 +110,12 @@ class LoadIncrease:
         simulation.set_load(factor)
 
     def stress_at(self, simulation: Simulation, stress: Floats, at: float, factor: float) -> Floats:
-        """The elastic answer to the added load is solved, not relaxed; the yield condition then corrects it."""
+        """The elastic answer to the added load is solved, not relaxed; the yield condition then corrects it.
+
+        Where supports hold the ground it is relaxed: they bear part of it.
+        """
+        if simulation.model.links is not None:
+            return stress
         return stress + (factor - at) * self._unit.stress
 
     def settlement(self, simulation: Simulation, factor: float) -> float:

@@ -121,6 +121,7 @@ class Search:
                 stress,
                 displacement=before.state.displacement,
                 plastic_shear_strain=before.state.stress[:, 3],
+                support=before.state.support,
             )
         else:
             self.simulation.begin(

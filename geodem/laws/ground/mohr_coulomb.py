@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 NAME = "mohr_coulomb"
 
@@ -147,6 +147,11 @@ def features(materials: Sequence[MohrCoulombParameters], *, plastic: bool) -> di
 def elastic_moduli(material: MohrCoulombParameters) -> tuple[float, float]:
     """lambda + G and G [Pa]."""
     return material.area_modulus, material.shear_modulus
+
+
+def radius_allowed(material: MohrCoulombParameters, mean: Any) -> Any:
+    """Radius [Pa] of the in-plane stress at which it yields at a mean [Pa] (a number, or an array of them)."""
+    return material.cohesion_cos_phi - mean * material.sin_phi
 
 
 def without_dilation(material: MohrCoulombParameters) -> MohrCoulombParameters:

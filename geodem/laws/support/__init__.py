@@ -1,0 +1,1 @@
+"""Laws of supports in ground that yields: what a lining or a bolt answers to a stretch."""
