@@ -237,12 +237,16 @@ class Digging:
         )
         return standing(self.ground, self.dug, nodes, links)
 
-    def _external(self, stands: Standing) -> Floats:
-        """Kept forces and pressures on the walls, on the model's particles (n, 2) [N/m]."""
+    def external(self, stands: Standing, shares: dict[int, float] | None = None) -> Floats:
+        """Kept forces and pressures on the walls, on the model's particles (n, 2) [N/m].
+
+        `shares`: of the kept forces per opening; as they are now where left out.
+        """
         now = self.progress
+        shares = now.shares if shares is None else shares
         whole = np.zeros_like(self.ground.model.positions)
         for number, force in now.kept.items():
-            whole += now.shares[number] * force
+            whole += shares[number] * force
             if now.pressures[number]:
                 wall = self.ground.wall(number, self.dug)
                 particles, normals = wall_normals(self.ground.model.positions, wall)
@@ -268,7 +272,7 @@ class Digging:
         stands = self._standing()
         model = stands.model
         missing = internal_forces(model, now.stress[stands.point]) - model.weight - model.load
-        missing -= self._external(stands)
+        missing -= self.external(stands)
         if model.links is not None:
             missing += self._link_forces(stands)
         missing[model.held] = 0.0
@@ -401,7 +405,7 @@ class Digging:
             stress[:, :3], displacement=displacement, plastic_shear_strain=stress[:, 3],
             support=self._support_state(),
         )  # fmt: skip
-        simulation.set_kept(self._external(stands))
+        simulation.set_kept(self.external(stands))
         criteria = replace(scene.criteria, stable_ratio=LAST_RATIO) if last else scene.criteria
         history: list[tuple[int, float, float]] = []
         limit = criteria.max_steps(simulation.model.particles)
