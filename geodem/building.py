@@ -21,7 +21,11 @@ QUICK_TOLERANCE = 0.02
 
 def make_section(case: Case) -> Section:
     """The section of a case, from its polygons, its picture, its mesh or its terrain."""
-    spec = case.section
+    return section_of(case.section)
+
+
+def section_of(spec: SectionOptions) -> Section:
+    """Polygons of what a case says of its section."""
     if isinstance(spec, RegionSection):
         return Section.from_polygons(spec.regions)
     if isinstance(spec, MeshSection | TerrainSection):
@@ -73,7 +77,7 @@ def make_particles(
         seed=case.seed,
         layers=spec.layers,
         thin="refuse" if spec.thin == "refuse" else "refine",
-        refine=_refinements(section, spec),
+        refine=refinements(section, spec),
         focus=() if focus is None else [focus],
         points=[point for s in case.loads.surcharge for point in (s.start, s.end)],
     )
@@ -157,7 +161,8 @@ def source_bytes(spec: SectionOptions) -> bytes | None:
         ) from error  # fmt: skip
 
 
-def _refinements(section: Section, spec: SectionOptions) -> list[tuple[Any, float]]:
+def refinements(section: Section, spec: SectionOptions) -> list[tuple[Any, float]]:
+    """Places of a section where the particles lie closer, and their spacing there [m]."""
     from shapely import box, union_all
 
     chosen = []

@@ -225,6 +225,23 @@ _ALL = (
         answerer="plotting.sweep_report:answer",
         marks=("vary",),
     ),
+    Kind(
+        "tunnel",
+        "geodem run",
+        reader="case.tunnel_reading:parse_tunnel",
+        runner="tunnel_run:run_tunnel",
+        resumer="tunnel_run:resume_tunnel",
+        redrawer="tunnel_run:redraw_tunnel",
+        checker="tunnel_check:check_tunnel",
+        answerer="plotting.tunnel_wording:answer",
+        marks=("excavation",),
+        table={
+            "mean convergence [m]": "stages[-1].mean_convergence_m",
+            "plastic radius over radius [-]": "stages[-1].plastic_radius_ratio",
+            "largest thrust [N/m]": "stages[-1].largest_thrust_N_per_m",
+            "factor of safety [-]": "factors[kind=strength-reduction].value",
+        },
+    ),
 )
 
 KINDS: Mapping[str, Kind] = {kind.name: kind for kind in _ALL}

@@ -64,13 +64,22 @@ def read_loads(top: Table, coordinates: Coordinates, section: SectionOptions | N
         findings.questions.append(
             "loads.horizontal_acceleration is negative: it presses into the slope and holds it."
         )
+    return Loads(
+        horizontal_acceleration=acceleration, surcharge=read_surcharges(table, coordinates, section)
+    )
+
+
+def read_surcharges(
+    table: Table, coordinates: Coordinates, section: SectionOptions | None
+) -> tuple[Surcharge, ...]:
+    """The key surcharge of a table of loads."""
     surcharges = []
     example = '{from = [0, 10], to = [5, 10], pressure = "20 kPa"}'
     for row in table.rows("surcharge", ("from", "to", "pressure"), example=example):
         surcharge = _surcharge(row, coordinates, section, example)
         if surcharge is not None:
             surcharges.append(surcharge)
-    return Loads(horizontal_acceleration=acceleration, surcharge=tuple(surcharges))
+    return tuple(surcharges)
 
 
 def _surcharge(

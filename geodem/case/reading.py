@@ -107,7 +107,7 @@ def parse_case(text: str, folder: Path) -> Case:
     boundary = read_boundary(top)
     loads = read_loads(top, coordinates, section)
     materials = read_materials(top)
-    used = _used_materials(document)
+    used = used_materials(document)
     if isinstance(section, MeshSection):
         place = "section.mesh"
         findings.errors += [
@@ -119,7 +119,7 @@ def parse_case(text: str, folder: Path) -> Case:
     if section is not None or not {"mesh", "terrain"} & set(document.get("section") or ()):
         check_names(findings, used, names, materials)
     if section is not None and spacing is not None:
-        _check_spacing(findings, section, spacing)
+        check_spacing(findings, section, spacing)
     reference = _reference(top)
     common = head.close()
     # every None below has been reported
@@ -177,7 +177,8 @@ def _on_nodes(top: Table) -> bool:
     return isinstance(section, dict) and section.get("particles_on") == "nodes" and "mesh" in section
 
 
-def _check_spacing(findings: Findings, section: SectionOptions, spacing: float) -> None:
+def check_spacing(findings: Findings, section: SectionOptions, spacing: float) -> None:
+    """Report a spacing that is too coarse for the section, or makes too many particles."""
     left, bottom, right, top = section.bounds
     width, height = right - left, top - bottom
     shown = units.show(spacing, "length")
@@ -229,7 +230,7 @@ def _tolerance(top: Table) -> float:
     return top.quantity("tolerance", "dimensionless", check=check) or DEFAULT_TOLERANCE
 
 
-def _used_materials(document: dict[str, Any]) -> list[tuple[str, str]]:
+def used_materials(document: dict[str, Any]) -> list[tuple[str, str]]:
     """Places and names of the materials that the section asks for, whatever else is wrong with it."""
     section = document.get("section")
     if not isinstance(section, dict):

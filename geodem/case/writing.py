@@ -11,7 +11,7 @@ from geodem import units
 from geodem.case.table import join, quoted
 
 if TYPE_CHECKING:
-    from geodem.case.data import Case, GroundMaterial, SectionOptions
+    from geodem.case.data import Case, GroundMaterial, SectionOptions, Surcharge
     from geodem.case.mesh_section import MeshSection
     from geodem.case.terrain_section import TerrainSection
 
@@ -33,7 +33,7 @@ def as_run_text(case: Case) -> str:
         # the unit weight is written as a density below
         allowed = dict.fromkeys(re.sub(r"\.unit_weight$", ".density", key) for key in case.allow_implausible)
         lines.append(f"allow_implausible = {_list(map(quoted, allowed))}")
-    lines += ["", *_section(case.section), "", "[boundary]"]
+    lines += ["", *section_lines(case.section), "", "[boundary]"]
     boundary = case.boundary
     for side in ("left", "right", "bottom", "top"):
         lines.append(f"{side} = {quoted(getattr(boundary, side))}")
@@ -43,14 +43,9 @@ def as_run_text(case: Case) -> str:
         f"horizontal_acceleration = {_exact(case.loads.horizontal_acceleration, 'acceleration')}",
     ]
     if case.loads.surcharge:
-        rows = [
-            f"{{from = {_list(map(repr, s.start))}, to = {_list(map(repr, s.end))}, "
-            f"pressure = {_exact(s.pressure, 'stress')}}}"
-            for s in case.loads.surcharge
-        ]
-        lines.append(f"surcharge = {_tall_list(rows)}")
+        lines += surcharge_lines(case.loads.surcharge)
     for material in case.materials.values():
-        lines += ["", *_material(material)]
+        lines += ["", *material_lines(material)]
     if case.reference is not None:
         lines += [
             "",
@@ -61,7 +56,18 @@ def as_run_text(case: Case) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _section(section: SectionOptions) -> list[str]:
+def surcharge_lines(surcharges: Iterable[Surcharge]) -> list[str]:
+    """The key surcharge."""
+    rows = [
+        f"{{from = {_list(map(repr, s.start))}, to = {_list(map(repr, s.end))}, "
+        f"pressure = {_exact(s.pressure, 'stress')}}}"
+        for s in surcharges
+    ]
+    return [f"surcharge = {_tall_list(rows)}"]
+
+
+def section_lines(section: SectionOptions) -> list[str]:
+    """The table of a section."""
     # the data's method brings us here, so not at the top
     from geodem.case.data import ImageSection, RegionSection
     from geodem.case.mesh_section import MeshSection
@@ -144,7 +150,8 @@ def _layer(material: str, depth: float) -> str:
     return f"{{material = {quoted(material)}{reach}}}"
 
 
-def _material(material: GroundMaterial) -> list[str]:
+def material_lines(material: GroundMaterial) -> list[str]:
+    """The table of a material."""
     weight = units.show(material.density * units.GRAVITY, "unit_weight")
     dilation = f"dilation_angle = {_exact(material.dilation_angle, 'angle')}"
     tension = material.tensile_strength

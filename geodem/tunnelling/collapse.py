@@ -18,7 +18,6 @@ from ..stability.methods import make_method
 from ..stability.search import Search
 from .digging import Digging
 
-METHODS = ("strength-reduction", "load-increase", "gravity-increase")
 FIRST_STEP = 0.3
 
 
@@ -30,7 +29,7 @@ def make_search(digging: Digging, kind: str, *, tolerance: float, start: float =
     digging : Digging
         Run to its end, or to its collapse where it has no supports.
     kind : str
-        One of `METHODS`.
+        One of `geodem.tunnelling.plan.METHODS`.
     tolerance : float
         Width of [stable, failed] over its middle.
     start : float

@@ -30,13 +30,11 @@ from .measure import (
     wall_normals,
     yielded,
 )
-from .plan import Plan, Stage
+from .plan import INCREMENTS, Plan, Stage
 from .supports import FAR_NAME, Built, build_bolts, build_far, build_lining
 
 Floats = NDArray[np.float64]
 
-INCREMENTS = 20
-"""Increments in which all of the kept forces are relaxed."""
 DAMPING_RATIO = 1.0
 """Critical: an increment that overshoots yields ground that a slow excavation leaves elastic (P16: 3.6 % more
 displacement at half of it with 20 increments, and still 0.7 % with 80; at critical 0.01 % between 20 and 40)."""
@@ -183,7 +181,7 @@ class Digging:
         """Build again what stands, and go on from there."""
         dug: list[int] = []
         names = [name for name in progress.installed if name != FAR_NAME]
-        for stage in self.plan.stages[: progress.stage + 1]:
+        for stage in self.plan.stages[: progress.stage + (progress.increment > 0)]:
             dug += [self.plan.opening(name) for name in stage.excavate]
             for name in stage.install:
                 if name in names:
@@ -328,16 +326,15 @@ class Digging:
         """Carry the plan out to its end or to the collapse of an opening."""
         now = self.progress
         while now.stage < len(self.plan.stages) and now.collapse is None:
-            self._run_stage(self.plan.stages[now.stage])
+            self.run_stage()
         return now
 
-    def _run_stage(self, stage: Stage) -> None:
+    def run_stage(self) -> None:
+        """Carry out the stage that is next, or the rest of it."""
         now = self.progress
+        stage = self.plan.stages[now.stage]
         if now.increment == 0:
-            for name in stage.excavate:
-                self._excavate(self.plan.opening(name))
-            for name in stage.install:
-                self._build(name, self.dug)
+            self.set_up(stage)
             if not now.rows or stage.excavate:
                 self._record(stage, self.scene(), 0, 0.0, "at rest as it was")
         chosen = self.dug if stage.opening is None else [self.plan.opening(stage.opening)]
@@ -348,6 +345,13 @@ class Digging:
         if now.collapse is None:
             now.stage += 1
             now.increment = 0
+
+    def set_up(self, stage: Stage) -> None:
+        """What a stage takes out and puts in, nothing relaxed."""
+        for name in stage.excavate:
+            self._excavate(self.plan.opening(name))
+        for name in stage.install:
+            self._build(name, self.dug)
 
     def _relax(self, stage: Stage, targets: dict[int, float], pressures: dict[int, float]) -> None:
         now = self.progress

@@ -80,9 +80,13 @@ def convergence(positions: Floats, displacement: Floats, wall: Integers) -> Conv
 def mean_pressure(positions: Floats, force: Floats, wall: Integers) -> float:
     """Pressure [Pa] that forces (n, 2) [N/m] on the particles of a wall press into the ground, mean over the wall.
 
-    A pressure p gives the forces p times the normals; this is its least-squares value.
+    A pressure p gives the forces p times the normals; this is its least-squares value. The two ends of an open wall
+    are left out: on a line of symmetry half of their force goes into the support.
     """
     particles, normals = wall_normals(positions, wall)
+    if wall[0, 0] != wall[-1, 1]:
+        inside = (particles != wall[0, 0]) & (particles != wall[-1, 1])
+        particles, normals = particles[inside], normals[inside]
     return float((force[particles] * normals).sum() / (normals**2).sum())
 
 

@@ -9,6 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+METHODS = ("strength-reduction", "load-increase", "gravity-increase")
+"""Searches for a factor, see `geodem.tunnelling.collapse`."""
+INCREMENTS = 20
+"""Increments in which all of the kept forces are relaxed."""
+
 Floats = NDArray[np.float64]
 Point = tuple[float, float]
 
