@@ -147,10 +147,14 @@ def make_links(rows: Sequence[tuple[Sequence[int], Floats]], table: Floats, part
     """Links from the particles (m,) and vectors (m, 2) of each, and their table (k, 3)."""
     count = len(rows)
     row = np.repeat(np.arange(count), [len(index) for index, _ in rows])
-    column = np.concatenate([np.asarray(index, dtype=np.int64) for index, _ in rows] or [np.zeros(0, np.int64)])
+    column = np.concatenate(
+        [np.asarray(index, dtype=np.int64) for index, _ in rows] or [np.zeros(0, np.int64)]
+    )
     vector = np.concatenate([np.asarray(v, dtype=np.float64) for _, v in rows] or [np.zeros((0, 2))])
     gradient = _compress(row, column, vector, count, particles)
-    return Links(gradient, transposed(gradient, particles), np.asarray(table, dtype=np.float64).reshape(-1, 3))
+    return Links(
+        gradient, transposed(gradient, particles), np.asarray(table, dtype=np.float64).reshape(-1, 3)
+    )
 
 
 def triangle_areas(positions: Floats, triangles: Integers) -> Floats:

@@ -71,7 +71,12 @@ class State:
         n, s = model.particles, model.stress_points
         links = 0 if model.links is None else model.links.count
         return cls(
-            np.zeros((n, 2)), np.zeros((n, 2)), np.zeros((n, 2)), np.zeros((s, 4)), np.zeros(s), np.zeros((links, 3))
+            np.zeros((n, 2)),
+            np.zeros((n, 2)),
+            np.zeros((n, 2)),
+            np.zeros((s, 4)),
+            np.zeros(s),
+            np.zeros((links, 3)),
         )
 
     def copy(self) -> State:

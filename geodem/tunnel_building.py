@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import shapely
 
+from .builders.filling import TooFewParticlesError
 from .builders.ground import Surcharge
 from .building import ground_properties, refinements, section_of
 from .case.mesh_section import MeshSection
@@ -54,14 +55,25 @@ def quick(case: TunnelCase) -> TunnelCase:
     count = min(case.particles or QUICK_PARTICLES, QUICK_PARTICLES)
     tolerance = max(case.tolerance, QUICK_TOLERANCE)
     increments = min(case.increments, QUICK_INCREMENTS)
-    notice = (
-        f"--quick: {count} particles, {increments} increments and a tolerance of {tolerance:g} instead of the "
-        "case's own."
+    coarse = replace(
+        case, particles=count, spacing=None, wall_spacing=None, tolerance=tolerance, increments=increments
     )
-    return replace(
-        case, particles=count, spacing=None, wall_spacing=None, tolerance=tolerance, increments=increments,
-        notices=(*case.notices, notice),
-    )  # fmt: skip
+    why = ""
+    for _ in range(3):
+        try:
+            build_tunnel(coarse)
+            break
+        except TooFewParticlesError as error:
+            # the spacing on the walls follows from the number, so one more tenth is asked for
+            coarse = replace(coarse, particles=int(1.1 * error.needed))
+            why = " (about the least that its walls and refined places need)"
+        except InputError:
+            break  # building will say what is wrong
+    notice = (
+        f"--quick: {coarse.particles} particles{why}, {increments} increments and a tolerance of {tolerance:g} "
+        "instead of the case's own."
+    )
+    return replace(coarse, notices=(*case.notices, notice))
 
 
 def unsuited_section(case: TunnelCase) -> list[InputError]:
@@ -69,9 +81,11 @@ def unsuited_section(case: TunnelCase) -> list[InputError]:
     if isinstance(case.section, MeshSection) and case.section.particles_on == "nodes":
         return [
             InputError(
-                "section.particles_on", "openings are cut into polygons, not into the nodes of a mesh",
-                'Write particles_on = "polygons".', value="nodes",
-            )  # fmt: skip
+                "section.particles_on",
+                "openings are cut into polygons, not into the nodes of a mesh",
+                'Write particles_on = "polygons".',
+                value="nodes",
+            )
         ]
     return []
 
@@ -99,29 +113,34 @@ def _misplaced(
         if shapely.intersection(polygon, outline).area <= 1e-9 * polygon.area:
             errors.append(
                 InputError(
-                    place, f"{opening.name!r} at ({x:.4g}, {y:.4g}) m lies outside the ground: {where}",
+                    place,
+                    f"{opening.name!r} at ({x:.4g}, {y:.4g}) m lies outside the ground: {where}",
                     "Move it into the section, or check section.length_unit.",
-                )  # fmt: skip
+                )
             )
         elif outside.area > 1e-9 * polygon.area:
-            crossed = [side for side, line in sides.items() if shapely.intersects(polygon.buffer(-slack), line)]
+            crossed = [
+                side for side, line in sides.items() if shapely.intersects(polygon.buffer(-slack), line)
+            ]
             wrong = [side for side in crossed if boundary.get(side) != "roller"]
             if wrong or not crossed:
                 named = f"the {wrong[0]} side" if wrong else "the surface of the ground"
                 errors.append(
                     InputError(
-                        place, f"{opening.name!r} reaches over {named}: {where}",
+                        place,
+                        f"{opening.name!r} reaches over {named}: {where}",
                         "Move it into the section; only over a line of symmetry, a side that is a roller, may half "
                         "of it stand outside.",
-                    )  # fmt: skip
+                    )
                 )
         for other in openings[:number]:
             if shapely.intersection(polygon, other.polygon).area > 1e-9 * polygon.area:
                 errors.append(
                     InputError(
-                        place, f"{opening.name!r} overlaps {other.name!r}",
+                        place,
+                        f"{opening.name!r} overlaps {other.name!r}",
                         "Draw heading and bench as neighbours that share a line.",
-                    )  # fmt: skip
+                    )
                 )
     return errors
 
@@ -140,15 +159,17 @@ def _lost_bolts(plan: Plan, outline: shapely.Geometry) -> list[InputError]:
                 what = "an opening" if holes.contains(end) else "the outside of the ground"
                 errors.append(
                     InputError(
-                        place, f"bar {bar} of {bolts.name!r} ends at ({tip[0]:.4g}, {tip[1]:.4g}) m, in {what}",
+                        place,
+                        f"bar {bar} of {bolts.name!r} ends at ({tip[0]:.4g}, {tip[1]:.4g}) m, in {what}",
                         "Make it shorter, turn it, or move it.",
-                    )  # fmt: skip
+                    )
                 )
             elif shapely.Point(head).distance(holes.boundary) > slack:
                 errors.append(
                     InputError(
-                        place, f"bar {bar} of {bolts.name!r} begins at ({head[0]:.4g}, {head[1]:.4g}) m, not on a wall",
+                        place,
+                        f"bar {bar} of {bolts.name!r} begins at ({head[0]:.4g}, {head[1]:.4g}) m, not on a wall",
                         "Let it begin on the outline of an excavation.",
-                    )  # fmt: skip
+                    )
                 )
     return errors

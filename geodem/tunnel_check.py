@@ -50,7 +50,7 @@ def check_tunnel(case: TunnelCase, picture: Path, console: Console) -> dict[str,
     expected = {"stages": case.increments * STEPS_PER_INCREMENT * root * per_step}
     if case.ground_reaction:
         expected["ground reaction"] = expected["stages"]
-    expected |= {kind: STEPS_PER_SEARCH * root * per_step for kind in case.methods}
+    expected |= dict.fromkeys(case.methods, STEPS_PER_SEARCH * root * per_step)
 
     model = ground.model
     console.print(f"[bold]{escaped(case.title)}[/]")
@@ -59,9 +59,9 @@ def check_tunnel(case: TunnelCase, picture: Path, console: Console) -> dict[str,
         f"Section: {right - left:.4g} m wide (x from {left:.5g} to {right:.5g} m), {top - bottom:.4g} m high "
         f"(y from {bottom:.5g} to {top:.5g} m)"
     )
+    near = digging.wall_spacing(digging.dug)
     console.print(
-        f"Model: {model.particles:,} particles (seed {case.seed}), {show_rounded(digging.wall_spacing(digging.dug), 'length')} "
-        f"apart on the walls, up to {show_rounded(ground.particles.spacing, 'length')} away from them"
+        f"Model: {model.particles:,} particles (seed {case.seed}), {show_rounded(near, 'length')} apart on the walls, up to {show_rounded(ground.particles.spacing, 'length')} away from them"
     )
     console.print("Sides: " + ", ".join(f"{side} {support}" for side, support in case.boundary.items()))
     console.print(f"Initial stress: {_stress(case)}")

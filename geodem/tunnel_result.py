@@ -28,9 +28,7 @@ UNITS = {
 """Names of what is read at every increment, in result.json."""
 
 DILATION_GAP = math.radians(15.0)
-MEANINGS = {
-    kind.kind: kind.meaning for kind in (StrengthReduction, LoadIncrease, GravityIncrease)
-}
+MEANINGS = {kind.kind: kind.meaning for kind in (StrengthReduction, LoadIncrease, GravityIncrease)}
 
 
 def assemble(
@@ -69,7 +67,9 @@ def assemble(
         "seed": case.seed,
         "tolerance": case.tolerance,
         "notices": [text.removesuffix(".") for text in (*case.notices, *digging.ground.particles.messages)],
-        "warnings": [text.removesuffix(".") for text in (*case.questions, *_warnings(case, digging, factors))],
+        "warnings": [
+            text.removesuffix(".") for text in (*case.questions, *_warnings(case, digging, factors))
+        ],
         "digest": digest(digging, reaction, records),
     }
 
@@ -192,7 +192,9 @@ def _warnings(case: TunnelCase, digging: Digging, factors: Sequence[Mapping[str,
         for kind in ("compressive", "tensile"):
             used = row[f"{kind}_utilisation"]
             if used is not None and used > 1.0:
-                found.append(f"lining {row['name']}: {used:.3g} times its {kind} strength; it was taken as elastic")
+                found.append(
+                    f"lining {row['name']}: {used:.3g} times its {kind} strength; it was taken as elastic"
+                )
     for row in _bolts(digging):
         if row["yielded_pieces"] or row["slipping_grout_pieces"]:
             found.append(
@@ -205,7 +207,9 @@ def _warnings(case: TunnelCase, digging: Digging, factors: Sequence[Mapping[str,
         elif entry["failed"] is None:
             found.append(f"{entry['kind']}: nothing failed up to a factor of {entry['stable']:g}")
         elif entry["stable"] is None:
-            found.append(f"{entry['kind']}: no stable state was found down to a factor of {entry['failed']:g}")
+            found.append(
+                f"{entry['kind']}: no stable state was found down to a factor of {entry['failed']:g}"
+            )
         if entry["undecided"]:
             listed = ", ".join(f"{factor:.4g}" for factor in entry["undecided"])
             found.append(f"{entry['kind']}: undecided at {listed}; the bracket includes them")

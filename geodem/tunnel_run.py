@@ -1,4 +1,4 @@
-"""Run a tunnel case in its folder: stages, the ground's own reaction, factors; stoppable, and resumed to the same bits."""
+"""Run a tunnel case in its folder: stages, the ground's own reaction, factors; resumed to the same bits."""
 
 from __future__ import annotations
 
@@ -71,7 +71,9 @@ class TunnelRun:
         """
         self.digging = self._dig("stages", self.plan, "digging")
         if self.case.ground_reaction:
-            self.reaction = self._dig("reaction", self.plan.without_supports(), "the same without supports").progress
+            self.reaction = self._dig(
+                "reaction", self.plan.without_supports(), "the same without supports"
+            ).progress
         for kind in self.case.methods:
             self._factor(kind)
 
@@ -94,9 +96,10 @@ class TunnelRun:
             stage = plan.stages[min(now.stage, stages - 1)]
             self.watch(
                 RunUpdate(
-                    name, f"{words}: {stage.name} ({now.stage + 1} of {stages})",
+                    name,
+                    f"{words}: {stage.name} ({now.stage + 1} of {stages})",
                     f"{100.0 * row['relaxed']:.0f} % relaxed, mean convergence {1e3 * row['mean']:.4g} mm",
-                )  # fmt: skip
+                )
             )
             asked = self.stop_asked()
             if asked or time.perf_counter() - saved > KEEP_SECONDS:
@@ -133,9 +136,11 @@ class TunnelRun:
             now = search.progress()
             self.watch(
                 RunUpdate(
-                    "search", f"{kind} on {now.trials} trials so far" if now.trials else kind,
-                    f"factor {now.factor:.4g}, {now.steps} steps", now.seconds_left,
-                )  # fmt: skip
+                    "search",
+                    f"{kind} on {now.trials} trials so far" if now.trials else kind,
+                    f"factor {now.factor:.4g}, {now.steps} steps",
+                    now.seconds_left,
+                )
             )
             if len(search.trials) > known:
                 known = len(search.trials)
@@ -260,7 +265,9 @@ def redraw_tunnel(folder: Path, case: TunnelCase) -> Path:
     run = RunFolder(folder, text, _identity(text, copies), written=WRITTEN, sources=copies)
     if stored.get("status") != "done" or run.part("stages") is None:
         raise InputError(
-            str(folder), "the run is not finished, so there is nothing to draw", f"Go on: geodem resume {folder}"
+            str(folder),
+            "the run is not finished, so there is nothing to draw",
+            f"Go on: geodem resume {folder}",
         )
     work = _built(case, run, None, None)
     work.work()  # every part is there, and is read

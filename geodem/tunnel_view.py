@@ -98,9 +98,14 @@ def _linings(digging: Digging) -> list[LiningView]:
             forces = lining_forces(built, support, thickness)
             found.append(
                 LiningView(
-                    built.name, positions[built.chain], thickness, forces.thrust, forces.thrust_at, forces.moment,
+                    built.name,
+                    positions[built.chain],
+                    thickness,
+                    forces.thrust,
+                    forces.thrust_at,
+                    forces.moment,
                     forces.moment_at,
-                )  # fmt: skip
+                )
             )
     return found
 

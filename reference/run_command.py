@@ -34,6 +34,7 @@ from .problems import (
     rock_calibration,
     timestep,
     trubal,
+    tunnels,
     tunnels_spalling,
 )
 from .results_file import store_rows
@@ -68,6 +69,7 @@ PROBLEMS: dict[str, ModuleType] = {
     "slopes": published_slopes,
     "timestep": timestep,
     "trubal": trubal,
+    "tunnels": tunnels,
     "tunnels-spalling": tunnels_spalling,
 }
 

@@ -64,9 +64,7 @@ def read_loads(top: Table, coordinates: Coordinates, section: SectionOptions | N
         findings.questions.append(
             "loads.horizontal_acceleration is negative: it presses into the slope and holds it."
         )
-    return Loads(
-        horizontal_acceleration=acceleration, surcharge=read_surcharges(table, coordinates, section)
-    )
+    return Loads(horizontal_acceleration=acceleration, surcharge=read_surcharges(table, coordinates, section))
 
 
 def read_surcharges(

@@ -95,14 +95,18 @@ def _resolution(top: Table) -> tuple[int | None, float | None, float | None]:
             "wall_spacing", "about 80 particles around an opening at 4000", why="closest at the walls"
         )
     if particles is not None and not _FEW <= particles <= _MANY:
-        problem = "so few particles show no yielded zone" if particles < _FEW else "so many particles take days"
+        problem = (
+            "so few particles show no yielded zone" if particles < _FEW else "so many particles take days"
+        )
         top.findings.implausible("particles", problem, "Tunnels need 2500 to 20000.", value=particles)
     return particles, spacing, wall
 
 
 def _initial(top: Table) -> UniformStress | DepthStress | None:
     if "initial_stress" not in top:
-        top.missing("initial_stress", f"The stress before anything is dug decides all. Add {_STRESS_EXAMPLE}.")
+        top.missing(
+            "initial_stress", f"The stress before anything is dug decides all. Add {_STRESS_EXAMPLE}."
+        )
         return None
     table = top.sub("initial_stress", ("k0", "horizontal", "vertical", "shear"), example=_STRESS_EXAMPLE)
     if table is None:
@@ -208,7 +212,9 @@ def _tolerance(value: float) -> tuple[str, str] | None:
 def _reaction(top: Table, supported: bool) -> bool:
     if "ground_reaction" not in top:
         if supported:
-            top.findings.default("ground_reaction", "true", why="the same digging is run without supports, too")
+            top.findings.default(
+                "ground_reaction", "true", why="the same digging is run without supports, too"
+            )
         return supported
     value = top.content["ground_reaction"]
     if not isinstance(value, bool):

@@ -45,10 +45,14 @@ def read_stages(
             stages.append(stage)
     for name in names:
         if name not in site.dug:
-            top.findings.error("stage", f"no stage excavates {name!r}", f'Write excavate = "{name}", or remove it.')
+            top.findings.error(
+                "stage", f"no stage excavates {name!r}", f'Write excavate = "{name}", or remove it.'
+            )
     for name in supports:
         if name not in site.installed:
-            top.findings.error("stage", f"no stage installs {name!r}", f'Write install = "{name}", or remove it.')
+            top.findings.error(
+                "stage", f"no stage installs {name!r}", f'Write install = "{name}", or remove it.'
+            )
     left = [name for name in site.dug if site.relaxed[name] < 1.0]
     if left and not top.findings.errors:
         top.findings.questions.append(
@@ -122,7 +126,9 @@ def _opening(row: Table, names: tuple[str, ...], site: _Site) -> str | None:
         return None
     found = _named(row, "excavation", names, "excavation")
     if found and found[0] not in site.dug:
-        row.error("excavation", f"{found[0]!r} is not excavated yet", "Put this stage after the one that does.")
+        row.error(
+            "excavation", f"{found[0]!r} is not excavated yet", "Put this stage after the one that does."
+        )
         return None
     return found[0] if found else None
 

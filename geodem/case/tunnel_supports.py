@@ -36,7 +36,9 @@ def read_excavations(top: Table, coordinates: Coordinates) -> tuple[Excavation, 
         name = _name(row, [entry.name for entry in found])
         kinds = [key for key in ("circle", "horseshoe", "polygon") if key in row]
         if len(kinds) != 1:
-            problem = "circle, horseshoe or polygon is needed" if not kinds else f"{' and '.join(kinds)} are given"
+            problem = (
+                "circle, horseshoe or polygon is needed" if not kinds else f"{' and '.join(kinds)} are given"
+            )
             row.findings.error(row.place, problem, f"Give exactly one, as in {EXCAVATION_EXAMPLE}.")
             continue
         shape = _polygon(row, coordinates) if kinds == ["polygon"] else _round(row, kinds[0], coordinates)
@@ -76,13 +78,19 @@ def _round(
     for key in keys:
         if key not in table:
             table.missing(key, f"{kind} has {listed(keys)}.")
-    at = coordinates.point(table.findings, table.at(keys[0]), table.content[keys[0]]) if keys[0] in table else None
+    at = (
+        coordinates.point(table.findings, table.at(keys[0]), table.content[keys[0]])
+        if keys[0] in table
+        else None
+    )
     sizes = [table.quantity(key, "length", check=positive) for key in keys[1:]]
     good = tuple(size for size in sizes if size is not None)
     if at is None or len(good) < len(sizes):
         return None
     if kind == "horseshoe" and good[1] < 0.5 * good[0]:
-        table.error("height", "the roof is half a circle: it alone is half of the width", "Give a larger height.")
+        table.error(
+            "height", "the roof is half a circle: it alone is half of the width", "Give a larger height."
+        )
         return None
     return at, good, ()
 
@@ -96,7 +104,11 @@ def _polygon(
     if len(good) < len(points):
         return None
     if len(set(good)) < 3 or not shapely.Polygon(good).is_valid or shapely.Polygon(good).area <= 0.0:
-        row.error("polygon", "this outline encloses no area, or crosses itself", "Give the corners in order round it.")
+        row.error(
+            "polygon",
+            "this outline encloses no area, or crosses itself",
+            "Give the corners in order round it.",
+        )
         return None
     return (0.0, 0.0), (), good
 
@@ -146,7 +158,11 @@ def _excavation(row: Table, excavations: tuple[str, ...], *, needed: bool = True
         return None
     name = row.text("excavation", remedy="Name an excavation.")
     if name is not None and name not in excavations:
-        row.error("excavation", "there is no such excavation", f"{nearest(name, excavations)}Known: {listed(excavations)}.")
+        row.error(
+            "excavation",
+            "there is no such excavation",
+            f"{nearest(name, excavations)}Known: {listed(excavations)}.",
+        )
         return None
     return name
 
@@ -159,7 +175,9 @@ def read_bolts(top: Table, coordinates: Coordinates, excavations: tuple[str, ...
         name = _name(row, [entry.name for entry in found], "bolts")
         radial = "angles" in row
         if radial == ("bars" in row):
-            row.findings.error(row.place, "angles or bars are needed", f"Give exactly one, as in {BOLT_EXAMPLE}.")
+            row.findings.error(
+                row.place, "angles or bars are needed", f"Give exactly one, as in {BOLT_EXAMPLE}."
+            )
             continue
         excavation = _excavation(row, excavations) if radial else None
         angles = tuple(_angles(row)) if radial else ()
@@ -169,7 +187,9 @@ def read_bolts(top: Table, coordinates: Coordinates, excavations: tuple[str, ...
         values = {key: row.quantity(key, dimension, check=positive) for key, dimension in wanted}
         for key in values:
             if key not in row:
-                row.missing(key, 'A bolt has length, diameter = "25 mm", yield_force = "150 kN", spacing = "1.5 m".')
+                row.missing(
+                    key, 'A bolt has length, diameter = "25 mm", yield_force = "150 kN", spacing = "1.5 m".'
+                )
         modulus = row.quantity("young_modulus", "stress", check=positive)
         if "young_modulus" not in row:
             row.findings.default(row.at("young_modulus"), '"200 GPa"', why="steel")
@@ -178,13 +198,17 @@ def read_bolts(top: Table, coordinates: Coordinates, excavations: tuple[str, ...
         strength = row.quantity("grout_strength", "line_load", check=positive)
         if kind == "grouted":
             if "grout_stiffness" not in row:
-                row.findings.default(row.at("grout_stiffness"), '"1 GPa"', why="shear force per length and slip")
+                row.findings.default(
+                    row.at("grout_stiffness"), '"1 GPa"', why="shear force per length and slip"
+                )
             if "grout_strength" not in row:
                 row.findings.default(row.at("grout_strength"), "none", why="the grout does not slip")
         else:
             for key in ("grout_stiffness", "grout_strength"):
                 if key in row:
-                    row.error(key, "an anchored bolt has no grout", f'Remove {key}, or write kind = "grouted".')
+                    row.error(
+                        key, "an anchored bolt has no grout", f'Remove {key}, or write kind = "grouted".'
+                    )
         if len(row.findings.errors) > before or name is None or kind is None:
             continue
         numbers = {key: value for key, value in values.items() if value is not None}
@@ -210,12 +234,16 @@ def _angles(row: Table) -> list[float]:
     return found
 
 
-def _bars(row: Table, coordinates: Coordinates) -> tuple[tuple[tuple[float, float], tuple[float, float]], ...]:
+def _bars(
+    row: Table, coordinates: Coordinates
+) -> tuple[tuple[tuple[float, float], tuple[float, float]], ...]:
     found = []
     for index, value in enumerate(row.items("bars", example="[[[0, 5], [0, 8]]]")):
         place = f"{row.at('bars')}[{index}]"
         if not isinstance(value, list) or len(value) != 2:
-            row.findings.error(place, f"a bar has two ends, this is {units.describe(value)}", "Write [[0, 5], [0, 8]].")
+            row.findings.error(
+                place, f"a bar has two ends, this is {units.describe(value)}", "Write [[0, 5], [0, 8]]."
+            )
             continue
         head, tip = (coordinates.point(row.findings, f"{place}[{k}]", end) for k, end in enumerate(value))
         if head is not None and tip is not None:

@@ -85,7 +85,10 @@ def link_operator(model: Model) -> csr_matrix:
     column = 2 * index.astype(np.int64)
     shape = (model.links.count, 2 * model.particles)
     return csr_matrix(
-        (np.concatenate([vector[:, 0], vector[:, 1]]), (np.concatenate([row, row]), np.concatenate([column, column + 1]))),
+        (
+            np.concatenate([vector[:, 0], vector[:, 1]]),
+            (np.concatenate([row, row]), np.concatenate([column, column + 1])),
+        ),
         shape=shape,
     )
 

@@ -19,7 +19,9 @@ def stretch(velocity, start, index, vector, table, support):
         for entry in range(start[link], start[link + 1]):
             particle = index[entry]
             change += vector[entry, 0] * velocity[particle, 0] + vector[entry, 1] * velocity[particle, 1]
-        force, plastic = update_force(table[link, 0], table[link, 1], table[link, 2], support[link, 0], change)
+        force, plastic = update_force(
+            table[link, 0], table[link, 1], table[link, 2], support[link, 0], change
+        )
         support[link, 0] = force
         support[link, 1] += plastic
         support[link, 2] += force * plastic

@@ -70,7 +70,14 @@ def reaction_chart(view: TunnelView) -> Figure:
         installed = [row for row in rows if row["lining_pressure"] > 0.0]
         if installed:
             begin = rows[rows.index(installed[0]) - 1] if rows.index(installed[0]) else installed[0]
-            _line(axes, [begin, *installed], "lining_pressure", LINING, "pressure that the lining bears", marker="s")
+            _line(
+                axes,
+                [begin, *installed],
+                "lining_pressure",
+                LINING,
+                "pressure that the lining bears",
+                marker="s",
+            )
             last = installed[-1]
             axes.plot(
                 1e3 * last["mean"], last["lining_pressure"] / 1e6, marker="*", markersize=15, color=SLIP,
@@ -125,7 +132,9 @@ def yielded_figure(view: TunnelView) -> Figure:
     figure, axes = _near_figure(view, "Yielded ground")
     _shade(figure, axes, view, 100.0 * view.strain, strain_colours(), "plastic shear strain [%]", power=0.6)
     if (view.yielded > 0.5).any() and (view.yielded < 0.5).any():
-        axes.tricontour(_triangles(view), view.yielded, levels=[0.5], colors=[INK], linewidths=1.0, linestyles="--")
+        axes.tricontour(
+            _triangles(view), view.yielded, levels=[0.5], colors=[INK], linewidths=1.0, linestyles="--"
+        )
         axes.plot([], [], color=INK, linewidth=1.0, linestyle="--", label="rim of the yielded ground")
     _draw_built(axes, view)
     _legend(axes)
@@ -159,7 +168,9 @@ def failure_figure(view: TunnelView, strain: Floats, factor: float) -> Figure:
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
     axes.set_title(f"As it fails at a factor of {factor:.4g}")
-    _shade(figure, axes, view, 100.0 * strain, strain_colours(), "plastic shear strain [%]", power=0.5, top=99.0)
+    _shade(
+        figure, axes, view, 100.0 * strain, strain_colours(), "plastic shear strain [%]", power=0.5, top=99.0
+    )
     _draw_built(axes, view)
     return figure
 
@@ -187,7 +198,8 @@ def lining_figure(view: TunnelView, lining: LiningView) -> Figure:
             tips = at + outwards * (values / largest * size)[:, None]
             for foot, tip in zip(at, tips, strict=True):
                 axes.plot(*np.array([foot, tip]).T, color=LINING, linewidth=0.5, alpha=0.7)
-            axes.plot(*tips.T, color=LINING, linewidth=1.2)
+            closed = bool((lining.axis[0] == lining.axis[-1]).all())
+            axes.plot(*(np.concatenate([tips, tips[:1]]) if closed else tips).T, color=LINING, linewidth=1.2)
     return figure
 
 
@@ -219,7 +231,9 @@ def check_figure(view: TunnelView) -> Figure:
     ]
     for name, outline in view.openings:
         axes.add_patch(
-            Polygon(outline, facecolor=(1, 1, 1, 0.7), edgecolor=SLIP, linewidth=1.6, hatch="....", zorder=3.0)
+            Polygon(
+                outline, facecolor=(1, 1, 1, 0.7), edgecolor=SLIP, linewidth=1.6, hatch="....", zorder=3.0
+            )
         )
         handles.append(Patch(facecolor=PAPER, edgecolor=SLIP, hatch="....", label=f"dug out: {name}"))
     for lining in view.linings:
@@ -257,7 +271,13 @@ def _stress_arrows(axes: Axes, view: TunnelView, low: Floats, high: Floats) -> N
     largest = max(horizontal, vertical) or 1.0
     reach, gap = 0.09 * size, 0.022 * size
     at = np.array([high[0] - 0.16 * size, high[1] - 0.16 * size])
-    arrow = {"arrowstyle": "-|>,head_width=0.2,head_length=0.35", "color": INK, "linewidth": 1.3, "shrinkA": 0, "shrinkB": 0}
+    arrow = {
+        "arrowstyle": "-|>,head_width=0.2,head_length=0.35",
+        "color": INK,
+        "linewidth": 1.3,
+        "shrinkA": 0,
+        "shrinkB": 0,
+    }
     for direction, value in (((1.0, 0.0), horizontal), ((0.0, 1.0), vertical)):
         along = np.asarray(direction)
         for sign in (-1.0, 1.0):
@@ -266,11 +286,11 @@ def _stress_arrows(axes: Axes, view: TunnelView, low: Floats, high: Floats) -> N
             axes.annotate("", xy=tuple(tip), xytext=tuple(tail), arrowprops=arrow, zorder=6.0)
     rim = halo(3.0)
     axes.annotate(
-        words[0], tuple(at + [0.0, -gap]), xytext=(0, -14), textcoords="offset points", ha="center", fontsize=8.0,
+        words[0], (at[0], at[1] - gap), xytext=(0, -14), textcoords="offset points", ha="center", fontsize=8.0,
         path_effects=rim, zorder=6.0,
     )  # fmt: skip
     axes.annotate(
-        words[1], tuple(at + [gap, gap + 0.5 * reach]), xytext=(4, 0), textcoords="offset points", va="center",
+        words[1], (at[0] + gap, at[1] + gap + 0.5 * reach), xytext=(4, 0), textcoords="offset points", va="center",
         fontsize=8.0, path_effects=rim, zorder=6.0,
     )  # fmt: skip
 
@@ -312,7 +332,13 @@ def _draw_built(axes: Axes, view: TunnelView) -> None:
 
 def _draw_bolts(axes: Axes, bolts: BoltView) -> None:
     for number, bar in enumerate(bolts.bars):
-        axes.plot(*bar.T, color=BOLT, linewidth=1.5, zorder=3.6, label=f"bolts: {bolts.name}" if number == 0 else None)
+        axes.plot(
+            *bar.T,
+            color=BOLT,
+            linewidth=1.5,
+            zorder=3.6,
+            label=f"bolts: {bolts.name}" if number == 0 else None,
+        )
     yielded = np.abs(bolts.force) > 0.999 * bolts.yield_force
     if yielded.any():
         axes.plot(*bolts.at[yielded].T, "x", color=FAILED, markersize=5.0, zorder=3.8, label="bolt yields")

@@ -19,7 +19,7 @@ CAPTIONS = {
     "reaction": "Mean pressure on the wall against its mean convergence. The ground's curve falls as the forces of "
     "the excavated ground are relaxed; a lining, installed on the way, rises from there. Where it bears all, both "
     "are in equilibrium.",
-    "yielded": "Plastic shear strain since the digging began. Inside the dashed line the ground has reached its strength.",
+    "yielded": "Plastic shear strain since the digging began. Inside the dashed line the ground has yielded.",
     "displacement": "Size and direction of the displacement since the digging began.",
     "lining": "Thrust (compression drawn into the ground) and moment around the lining, per metre of tunnel.",
     "failure": "Plastic shear strain of the lowest trial that did not come to rest: how it would fail.",
@@ -133,7 +133,14 @@ def _rows(rows: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
 def _supports(result: Mapping[str, Any]) -> str:
     blocks = []
     if result["linings"]:
-        header = ("lining", "thrust [kN/m]", "moment [kN m/m]", "compression [MPa]", "tension [MPa]", "used [%]")
+        header = (
+            "lining",
+            "thrust [kN/m]",
+            "moment [kN m/m]",
+            "compression [MPa]",
+            "tension [MPa]",
+            "used [%]",
+        )
         rows = [
             (
                 row["name"],

@@ -61,7 +61,8 @@ def answer(result: Mapping[str, Any]) -> list[tuple[str, str]]:
         lines.append(
             (
                 f"{row['name']}: largest force {largest}",
-                f", {100.0 * row['utilisation']:.3g} % of yield; {row['yielded_pieces']} of {row['pieces']} pieces yielded.",
+                f", {100.0 * row['utilisation']:.3g} % of yield; {row['yielded_pieces']} of {row['pieces']} pieces "
+                "yielded.",
             )
         )
     for entry in result.get("factors") or ():
@@ -73,9 +74,7 @@ def yielded(row: Mapping[str, Any]) -> str:
     """The yielded ground of an opening in words."""
     if row["yielded_area_m2"] <= 0.0:
         return "No ground has yielded."
-    return (
-        f"Yielded ground {row['yielded_area_m2']:.4g} m2, as a ring of {row['plastic_radius_ratio']:.4g} radii."
-    )
+    return f"Yielded ground {row['yielded_area_m2']:.4g} m2, as a ring of {row['plastic_radius_ratio']:.4g} radii."
 
 
 def force(value: float) -> str:
@@ -97,7 +96,5 @@ def factor_line(entry: Mapping[str, Any]) -> tuple[str, str]:
         )
         return f"{name} {side}", f" ({entry['kind'].replace('-', ' ')}).{tail}"
     value = wording.factor(entry["value"], entry["stable"], entry["failed"])
-    return (
-        f"{name} {value}",
-        f" ({entry['kind'].replace('-', ' ')}; stable at {entry['stable']:.4g}, failed at {entry['failed']:.4g}).{tail}",
-    )
+    ends = f"stable at {entry['stable']:.4g}, failed at {entry['failed']:.4g}"
+    return f"{name} {value}", f" ({entry['kind'].replace('-', ' ')}; {ends}).{tail}"

@@ -38,7 +38,12 @@ def make_search(digging: Digging, kind: str, *, tolerance: float, start: float =
     supported = any(built.kind != "far" for built in digging.built)
     simulation = _as_left(digging) if supported else _elastic(digging)
     return Search(
-        simulation, make_method(kind, simulation), Criteria(), tolerance=tolerance, start=start, step=FIRST_STEP
+        simulation,
+        make_method(kind, simulation),
+        Criteria(),
+        tolerance=tolerance,
+        start=start,
+        step=FIRST_STEP,
     )
 
 
@@ -65,8 +70,8 @@ def _elastic(digging: Digging) -> Simulation:
 
         support = np.zeros((model.links.count, 3))
         support[:, 0] = model.links.table[:, 0] * (link_operator(model) @ moved.ravel())
-    simulation.elastic = ElasticState(np.zeros_like(moved), stress, simulation.mean_size(moved) or 1e-9, support)
+    simulation.elastic = ElasticState(
+        np.zeros_like(moved), stress, simulation.mean_size(moved) or 1e-9, support
+    )
     simulation.set_kept(external)
     return simulation
-
-

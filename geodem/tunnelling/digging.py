@@ -30,7 +30,7 @@ from .measure import (
     wall_normals,
     yielded,
 )
-from .plan import INCREMENTS, Plan, Stage
+from .plan import INCREMENTS, DepthStress, Plan, Stage
 from .supports import FAR_NAME, Built, build_bolts, build_far, build_lining
 
 Floats = NDArray[np.float64]
@@ -295,10 +295,7 @@ class Digging:
         start, index, vector = links.particle_gradient
         row = np.repeat(np.arange(stands.model.particles), np.diff(start))
         return np.stack(
-            [
-                np.bincount(row, force[index] * vector[:, k], minlength=stands.model.particles)
-                for k in (0, 1)
-            ],
+            [np.bincount(row, force[index] * vector[:, k], minlength=stands.model.particles) for k in (0, 1)],
             axis=1,
         )
 
@@ -493,7 +490,10 @@ class Digging:
                 "yielded_area": zone.area,
                 "plastic_radius_ratio": zone.radius_ratio,
                 "reach": zone.reach,
-                "settlement": settlement(self.ground, now.displacement),
+                # far below a surface there is none that could settle
+                "settlement": settlement(self.ground, now.displacement)
+                if isinstance(self.plan.initial, DepthStress)
+                else 0.0,
                 "lining_pressure": 0.0,
                 "largest_thrust": 0.0,
                 "largest_moment": 0.0,
@@ -509,7 +509,9 @@ class Digging:
                     row["largest_moment"] = max(
                         row["largest_moment"], float(np.abs(found.moment).max(initial=0.0))
                     )
-                    row["lining_pressure"] += mean_pressure(positions, -_forces_of(built, support, positions), wall)
+                    row["lining_pressure"] += mean_pressure(
+                        positions, -_forces_of(built, support, positions), wall
+                    )
                 elif built.kind == "bolts":
                     row["largest_bolt_force"] = max(
                         row["largest_bolt_force"], float(np.abs(support[built.reading["bar"], 0]).max())

@@ -137,8 +137,8 @@ def make_tunnel_ground(
     wall = wall_spacing or _usual_wall_spacing(openings, particles)
     lines = [(o.polygon.exterior, wall) for o in cut]
     filled = fill_section(
-        parts, particles=particles, spacing=spacing, seed=seed, thin="refine", layers=2, grading=grading, refine=[*lines, *refine],
-        points=[*points, *(p for s in surcharges for p in (s.start, s.end))],
+        parts, particles=particles, spacing=spacing, seed=seed, thin="refine", layers=2, grading=grading,
+        refine=[*lines, *refine], points=[*points, *(p for s in surcharges for p in (s.start, s.end))],
     )  # fmt: skip
     far = tuple(side for side, support in boundary.items() if support == FAR)
     named = {part: materials[material] for part, material in zip(parts.materials, material_of, strict=True)}

@@ -101,7 +101,9 @@ def _require_strength(ground: TunnelGround, stress: Floats, initial: UniformStre
             "Give a k0 between (1 - sin phi)/(1 + sin phi) and its inverse, nearer to 1 in clay, or more cohesion.",
             value=initial.k0,
         )  # fmt: skip
-    raise InputError(PLACE, problem, "Bring horizontal and vertical nearer to each other, or check the strength.")
+    raise InputError(
+        PLACE, problem, "Bring horizontal and vertical nearer to each other, or check the strength."
+    )
 
 
 def _share(ground: TunnelGround, chosen: NDArray[np.bool_]) -> float:

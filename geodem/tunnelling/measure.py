@@ -1,4 +1,4 @@
-"""What is read around an opening: convergence, the pressure that supports it, the ground that yielded, forces in supports."""
+"""What is read around an opening: convergence, pressure on the wall, ground that yielded, forces in supports."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 YIELDED = 0.01
-"""Plastic shear strain over the elastic one at the strength that counts as yielded: below is the overshoot of a step."""
+"""Plastic shear strain over the elastic one at the strength that counts as yielded; below is the overshoot of steps."""
 
 
 class Convergence(NamedTuple):

@@ -125,7 +125,9 @@ def _end(wall: Integers, normal: Floats, length: Floats, piece: int, lining: Lin
     turn = normal[piece] / length[piece]
     sign = 1.0 if piece == 0 else -1.0
     particles = (int(wall[piece, 0]), int(wall[piece, 1]))
-    return LinkRow(particles, sign * np.stack([-turn, turn]), lining.bending_stiffness / (0.5 * float(length[piece])))
+    return LinkRow(
+        particles, sign * np.stack([-turn, turn]), lining.bending_stiffness / (0.5 * float(length[piece]))
+    )
 
 
 def build_bolts(
