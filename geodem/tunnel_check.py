@@ -61,7 +61,8 @@ def check_tunnel(case: TunnelCase, picture: Path, console: Console) -> dict[str,
     )
     near = digging.wall_spacing(digging.dug)
     console.print(
-        f"Model: {model.particles:,} particles (seed {case.seed}), {show_rounded(near, 'length')} apart on the walls, up to {show_rounded(ground.particles.spacing, 'length')} away from them"
+        f"Model: {model.particles:,} particles (seed {case.seed}), {show_rounded(near, 'length')} apart "
+        f"on the walls, up to {show_rounded(ground.particles.spacing, 'length')} away from them"
     )
     console.print("Sides: " + ", ".join(f"{side} {support}" for side, support in case.boundary.items()))
     console.print(f"Initial stress: {_stress(case)}")

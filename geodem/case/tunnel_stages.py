@@ -9,7 +9,7 @@ from geodem.case.table import Table, listed, nearest
 from geodem.case.tunnel import BoltPattern, Excavation
 from geodem.tunnelling.plan import Lining, Stage
 
-_KEYS = ("name", "excavate", "install", "excavation", "relax", "pressure")
+KEYS = ("name", "excavate", "install", "excavation", "relax", "pressure")
 _EXAMPLE = '{excavate = "tunnel", relax = 0.4}'
 
 
@@ -39,7 +39,7 @@ def read_stages(
         return ()
     site = _Site()
     stages = []
-    for number, row in enumerate(top.rows("stage", _KEYS, example=_EXAMPLE)):
+    for number, row in enumerate(top.rows("stage", KEYS, example=_EXAMPLE)):
         stage = _stage(row, number, names, supports, site)
         if stage is not None:
             stages.append(stage)

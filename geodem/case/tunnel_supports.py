@@ -17,10 +17,10 @@ LINING_EXAMPLE = '[[lining]] with name = "shell", thickness = "20 cm", young_mod
 BOLT_EXAMPLE = '[[bolt]] with name = "bolts", angles = ["30 deg", "90 deg"], length = "3 m"'
 STEEL = 200e9
 _SHAPES = {"circle": ("centre", "diameter"), "horseshoe": ("floor", "width", "height")}
-_LINING_KEYS = (
+LINING_KEYS = (
     "name", "excavation", "thickness", "young_modulus", "poisson_ratio", "compressive_strength", "tensile_strength",
 )  # fmt: skip
-_BOLT_KEYS = (
+BOLT_KEYS = (
     "name", "excavation", "angles", "length", "bars", "kind", "diameter", "young_modulus", "yield_force", "spacing",
     "grout_stiffness", "grout_strength",
 )  # fmt: skip
@@ -116,7 +116,7 @@ def _polygon(
 def read_linings(top: Table, excavations: tuple[str, ...]) -> tuple[Lining, ...]:
     """Everything that is put on walls."""
     found: list[Lining] = []
-    for row in _rows(top, "lining", _LINING_KEYS, LINING_EXAMPLE):
+    for row in _rows(top, "lining", LINING_KEYS, LINING_EXAMPLE):
         before = len(row.findings.errors)
         name = _name(row, [entry.name for entry in found], "lining")
         excavation = _excavation(row, excavations)
@@ -128,7 +128,7 @@ def read_linings(top: Table, excavations: tuple[str, ...]) -> tuple[Lining, ...]
         ratio = row.quantity("poisson_ratio", "dimensionless", check=_poisson)
         if "poisson_ratio" not in row:
             row.findings.default(row.at("poisson_ratio"), "0.2")
-        strengths = [row.quantity(key, "stress", check=positive) for key in _LINING_KEYS[-2:]]
+        strengths = [row.quantity(key, "stress", check=positive) for key in LINING_KEYS[-2:]]
         if modulus is not None and not 1e8 <= modulus <= 3e11:
             row.findings.implausible(
                 row.at("young_modulus"), "concrete has 5 to 40 GPa, steel 210 GPa", "Check the unit.",
@@ -170,7 +170,7 @@ def _excavation(row: Table, excavations: tuple[str, ...], *, needed: bool = True
 def read_bolts(top: Table, coordinates: Coordinates, excavations: tuple[str, ...]) -> tuple[BoltPattern, ...]:
     """All patterns of bolts."""
     found: list[BoltPattern] = []
-    for row in _rows(top, "bolt", _BOLT_KEYS, BOLT_EXAMPLE):
+    for row in _rows(top, "bolt", BOLT_KEYS, BOLT_EXAMPLE):
         before = len(row.findings.errors)
         name = _name(row, [entry.name for entry in found], "bolts")
         radial = "angles" in row

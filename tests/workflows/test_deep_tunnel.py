@@ -1,0 +1,23 @@
+"""The workflow as it is shipped, in its quick form."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+from tests.small_cases import ROOT, environment, result_of
+
+WORKFLOW = ROOT / "workflows" / "deep_tunnel"
+
+
+def test_quick_run_from_python_checks_itself(tmp_path: Path):
+    command = [sys.executable, str(WORKFLOW / "run.py"), str(tmp_path / "out"), "--quick"]
+    done = subprocess.run(
+        command, capture_output=True, text=True, env=environment(), timeout=240, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert f"{tmp_path}/out/report.html" in done.stdout
+    result = result_of(tmp_path / "out")
+    assert result["status"] == "done"
+    assert result["quick"]
