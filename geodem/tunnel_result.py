@@ -13,8 +13,9 @@ from .io.checkpoint import checksum
 from .record import MethodRecord
 from .stability.bracket import bracket
 from .stability.methods import GravityIncrease, LoadIncrease, StrengthReduction
-from .tunnelling.digging import Digging, Progress
+from .tunnelling.digging import Digging
 from .tunnelling.measure import lining_forces
+from .tunnelling.progress import Progress
 
 UNITS = {
     "relaxed": "relaxed", "pressure": "pressure_Pa", "mean": "mean_convergence_m", "largest": "largest_displacement_m",

@@ -24,9 +24,10 @@ from .tunnel_files import FRAMES, write_frame, write_history
 from .tunnel_result import assemble
 from .tunnel_view import make_view
 from .tunnelling.collapse import make_search
-from .tunnelling.digging import Digging, Progress
+from .tunnelling.digging import Digging
 from .tunnelling.ground import TunnelGround
 from .tunnelling.plan import Plan
+from .tunnelling.progress import Progress
 
 WRITTEN = (FRAMES, "figures/*.png")
 KEEP_SECONDS = 5.0

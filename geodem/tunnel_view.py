@@ -12,10 +12,11 @@ from .case.tunnel import TunnelCase
 from .plotting.tunnel_views import BoltView, FailureView, LiningView, TunnelView
 from .plotting.views import ReportView
 from .record import MethodRecord
-from .tunnelling.digging import Digging, Progress
+from .tunnelling.digging import Digging
 from .tunnelling.ground import Standing, standing
 from .tunnelling.measure import lining_forces, yielded
 from .tunnelling.plan import UniformStress
+from .tunnelling.progress import Progress
 from .units import show
 
 NEAR = 2.2

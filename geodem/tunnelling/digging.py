@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,16 +21,10 @@ from ..simulation import ElasticState, Simulation
 from ..stability.criteria import Criteria
 from .ground import Standing, TunnelGround, internal_forces, standing
 from .initial import InitialState, initial_state, loaded
-from .measure import (
-    convergence,
-    lining_forces,
-    mean_pressure,
-    settlement,
-    wall_length,
-    wall_normals,
-    yielded,
-)
-from .plan import INCREMENTS, DepthStress, Plan, Stage
+from .measure import mean_pressure, wall_length, wall_normals
+from .plan import INCREMENTS, Plan, Stage
+from .progress import Collapse, Progress
+from .reading import read_row
 from .supports import FAR_NAME, Built, build_bolts, build_far, build_lining
 
 Floats = NDArray[np.float64]
@@ -42,90 +36,6 @@ COLLAPSE_WIDTH = 0.01
 """Width of the bracket of a collapse, in share of the kept forces."""
 LAST_RATIO = 1e-6
 """Unbalanced force ratio of the last increment of a stage; the others end at that of the criteria."""
-
-
-@dataclass(frozen=True)
-class Collapse:
-    """Where an opening could not be brought to rest.
-
-    Attributes
-    ----------
-    stage : str
-    opening : str
-    stable, failed : float
-        Relaxed share at the last rest and at the first state without [-].
-    pressure_stable, pressure_failed : float [Pa]
-        Mean pressure on the wall there.
-    criterion : str
-    """
-
-    stage: str
-    opening: str
-    stable: float
-    failed: float
-    pressure_stable: float
-    pressure_failed: float
-    criterion: str
-
-
-@dataclass
-class Progress:
-    """All that changes while a plan is carried out: what a checkpoint holds.
-
-    Arrays are those of the whole ground; `shares` and `pressures` are per opening.
-    """
-
-    stress: Floats  # (s, 4)
-    displacement: Floats  # (n, 2)
-    nodes: Floats  # (b, 2), displacements of the nodes of bolts
-    support: list[Floats]  # (k, 3) of every support built
-    kept: dict[int, Floats] = field(default_factory=dict)
-    shares: dict[int, float] = field(default_factory=dict)
-    pressures: dict[int, float] = field(default_factory=dict)
-    installed: list[str] = field(default_factory=list)
-    stage: int = 0
-    increment: int = 0
-    rows: list[dict[str, Any]] = field(default_factory=list)
-    collapse: Collapse | None = None
-    steps: int = 0
-
-    def to_tree(self) -> dict[str, Any]:
-        """As a checkpoint tree."""
-        return {
-            "stress": self.stress,
-            "displacement": self.displacement,
-            "nodes": self.nodes,
-            "support": {str(k): array for k, array in enumerate(self.support)},
-            "kept": {str(k): array for k, array in self.kept.items()},
-            "shares": {str(k): value for k, value in self.shares.items()},
-            "pressures": {str(k): value for k, value in self.pressures.items()},
-            "installed": list(self.installed),
-            "stage": self.stage,
-            "increment": self.increment,
-            "rows": self.rows,
-            "collapse": None if self.collapse is None else dict(vars(self.collapse)),
-            "steps": self.steps,
-        }
-
-    @classmethod
-    def from_tree(cls, tree: dict[str, Any]) -> Progress:
-        """From a checkpoint tree."""
-        support = tree["support"]
-        return cls(
-            stress=tree["stress"],
-            displacement=tree["displacement"],
-            nodes=tree["nodes"].reshape(-1, 2),
-            support=[support[str(k)].reshape(-1, 3) for k in range(len(support))],
-            kept={int(k): array for k, array in tree["kept"].items()},
-            shares={int(k): value for k, value in tree["shares"].items()},
-            pressures={int(k): value for k, value in tree["pressures"].items()},
-            installed=list(tree["installed"]),
-            stage=int(tree["stage"]),
-            increment=int(tree["increment"]),
-            rows=[dict(row) for row in tree["rows"]],
-            collapse=None if tree["collapse"] is None else Collapse(**tree["collapse"]),
-            steps=int(tree["steps"]),
-        )
 
 
 @dataclass
@@ -468,60 +378,19 @@ class Digging:
             + now.pressures[number]
         )
 
-    # --- reading ------------------------------------------------------------------------------------------------
-
     def _record(self, stage: Stage, scene: Scene, steps: int, ratio: float, words: str) -> None:
-        now, positions = self.progress, self.ground.model.positions
-        model = scene.standing.model
-        stress = now.stress[scene.standing.point]
-        linings = {entry.name: entry for entry in self.plan.linings}
         for number in self.dug:
-            opening = self.plan.openings[number]
             wall = self.ground.wall(number, self.dug)
-            if len(wall) == 0:
-                continue
-            zone = yielded(model, stress, float(self.ground.openings[number].polygon.area), opening.centre)
-            row: dict[str, Any] = {
-                "stage": stage.name,
-                "opening": opening.name,
-                "relaxed": 1.0 - now.shares[number],
-                "pressure": self._pressure(number),
-                **convergence(positions, now.displacement, wall)._asdict(),
-                "yielded_area": zone.area,
-                "plastic_radius_ratio": zone.radius_ratio,
-                "reach": zone.reach,
-                # far below a surface there is none that could settle
-                "settlement": settlement(self.ground, now.displacement)
-                if isinstance(self.plan.initial, DepthStress)
-                else 0.0,
-                "lining_pressure": 0.0,
-                "largest_thrust": 0.0,
-                "largest_moment": 0.0,
-                "largest_bolt_force": 0.0,
-                "steps": steps,
-                "unbalanced": ratio,
-                "criterion": words,
-            }
-            for built, support in zip(self.built, now.support, strict=True):
-                if built.kind == "lining" and linings[built.name].opening == opening.name:
-                    found = lining_forces(built, support, linings[built.name].thickness)
-                    row["largest_thrust"] = max(row["largest_thrust"], float(found.thrust.max()))
-                    row["largest_moment"] = max(
-                        row["largest_moment"], float(np.abs(found.moment).max(initial=0.0))
-                    )
-                    row["lining_pressure"] += mean_pressure(
-                        positions, -_forces_of(built, support, positions), wall
-                    )
-                elif built.kind == "bolts":
-                    row["largest_bolt_force"] = max(
-                        row["largest_bolt_force"], float(np.abs(support[built.reading["bar"], 0]).max())
-                    )
-            now.rows.append(row)
+            if len(wall):
+                ended = {"steps": steps, "unbalanced": ratio, "criterion": words}
+                self.progress.rows.append(
+                    {**self._place(stage, number), **read_row(self, scene.standing, number, wall), **ended}
+                )
 
-
-def _forces_of(built: Built, support: Floats, positions: Floats) -> Floats:
-    """Forces (n, 2) [N/m] that the ground exerts on a lining's particles: minus those that it holds them with."""
-    force = np.zeros_like(positions)
-    for row, state in zip(built.rows, support, strict=True):
-        force[list(row.particles)] += state[0] * row.vectors
-    return force
+    def _place(self, stage: Stage, number: int) -> dict[str, Any]:
+        return {
+            "stage": stage.name,
+            "opening": self.plan.openings[number].name,
+            "relaxed": 1.0 - self.progress.shares[number],
+            "pressure": self._pressure(number),
+        }
