@@ -55,7 +55,7 @@ class Links(NamedTuple):
     table: Floats
 
     @property
-    def count(self) -> int:
+    def number(self) -> int:
         """Number of links."""
         return len(self.table)
 

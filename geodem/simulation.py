@@ -100,7 +100,7 @@ class Simulation:
         sizes = [np.sqrt((part[~model.held] ** 2).sum()) for part in (model.weight, model.load, self.kept)]
         self.force_scale = float(max(sizes)) or 1.0
         self.links = make_links([], np.zeros((0, 3)), model.particles) if model.links is None else model.links
-        self._pushed = np.zeros((model.particles if self.links.count else 0, 2))
+        self._pushed = np.zeros((model.particles if self.links.number else 0, 2))
         self.elastic = self.solve(self.external, matrix) if elastic is None else elastic
         self.matrix = matrix
         chunks = (model.particles + CHUNK - 1) // CHUNK
@@ -111,7 +111,7 @@ class Simulation:
         self.begin()
 
     def _compile(self, energy: bool) -> ModuleType:
-        supported = self.links.count > 0
+        supported = self.links.number > 0
         functions = [
             self.law.update_stress,
             self.law.elastic_energy,

@@ -69,7 +69,7 @@ class State:
     def at_rest(cls, model: Model) -> State:
         """A stress-free state at rest."""
         n, s = model.particles, model.stress_points
-        links = 0 if model.links is None else model.links.count
+        links = 0 if model.links is None else model.links.number
         return cls(
             np.zeros((n, 2)),
             np.zeros((n, 2)),

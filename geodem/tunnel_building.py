@@ -7,7 +7,7 @@ from dataclasses import replace
 import shapely
 
 from .builders.filling import TooFewParticlesError
-from .builders.ground import Surcharge
+from .builders.ground import STANDARD_GRAVITY, Surcharge
 from .building import ground_properties, refinements, section_of
 from .case.mesh_section import MeshSection
 from .case.tunnel import TunnelCase
@@ -45,7 +45,7 @@ def build_tunnel(case: TunnelCase) -> tuple[TunnelGround, Plan]:
         seed=case.seed,
         surcharges=[Surcharge(s.start, s.end, s.pressure) for s in case.surcharge],
         refine=refinements(section, case.section),
-        **({"gravity": 0.0} if weightless else {}),
+        gravity=0.0 if weightless else STANDARD_GRAVITY,
     )
     return ground, plan
 

@@ -31,7 +31,7 @@ def read_excavations(top: Table, coordinates: Coordinates) -> tuple[Excavation, 
     rows = _rows(top, "excavation", ("name", "circle", "horseshoe", "polygon"), EXCAVATION_EXAMPLE)
     if "excavation" not in top:
         top.missing("excavation", f"Add [[excavation]] as in {EXCAVATION_EXAMPLE}.")
-    found = []
+    found: list[Excavation] = []
     for row in rows:
         name = _name(row, [entry.name for entry in found])
         kinds = [key for key in ("circle", "horseshoe", "polygon") if key in row]

@@ -81,9 +81,9 @@ def link_operator(model: Model) -> csr_matrix:
 
     assert model.links is not None
     start, index, vector = model.links.gradient
-    row = np.repeat(np.arange(model.links.count), np.diff(start))
+    row = np.repeat(np.arange(model.links.number), np.diff(start))
     column = 2 * index.astype(np.int64)
-    shape = (model.links.count, 2 * model.particles)
+    shape = (model.links.number, 2 * model.particles)
     return csr_matrix(
         (
             np.concatenate([vector[:, 0], vector[:, 1]]),

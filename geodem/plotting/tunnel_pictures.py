@@ -224,7 +224,7 @@ def check_figure(view: TunnelView) -> Figure:
     draw_loads(axes, ground)
     low, high = ground.positions.min(axis=0), ground.positions.max(axis=0)
     size = float(np.clip(1.6 * np.sqrt(4000.0 / len(ground.positions)), 0.5, 3.0))
-    axes.scatter(*ground.positions.T, s=size, color=SOFT, linewidths=0, zorder=2.2, rasterized=True)
+    axes.scatter(ground.positions[:, 0], ground.positions[:, 1], s=size, color=SOFT, linewidths=0, zorder=2.2, rasterized=True)
     handles: list[Any] = [
         Patch(facecolor=material_colour(k), edgecolor="#8794a1", label=name)
         for k, name in enumerate(ground.materials)
@@ -348,9 +348,9 @@ def _moved_walls(axes: Axes, view: TunnelView, scale: float) -> None:
     from scipy.spatial import cKDTree
 
     tree = cKDTree(view.positions)
-    near = float(np.median(tree.query(view.positions, k=2)[0][:, 1]))
+    near = float(np.median(np.asarray(tree.query(view.positions, k=2)[0])[:, 1]))
     for number, (_, outline) in enumerate(view.openings):
-        far, nearest = tree.query(outline)
+        far, nearest = (np.asarray(found) for found in tree.query(outline))
         on = far < near
         moved = outline[on] + scale * view.displacement[nearest[on]]
         axes.plot(

@@ -68,7 +68,7 @@ def _elastic(digging: Digging) -> Simulation:
     if model.links is not None:
         from ..integrators.direct_solve import link_operator
 
-        support = np.zeros((model.links.count, 3))
+        support = np.zeros((model.links.number, 3))
         support[:, 0] = model.links.table[:, 0] * (link_operator(model) @ moved.ravel())
     simulation.elastic = ElasticState(
         np.zeros_like(moved), stress, simulation.mean_size(moved) or 1e-9, support

@@ -18,7 +18,7 @@ TEMPLATE = (HERE / "case.toml").read_text()
 SMALL = """
 workflow = "tunnel"
 title = "small"
-particles = 600
+particles = 900
 wall_spacing = "0.5 m"
 increments = 4
 section.regions = [{material = "clay", polygon = [[-15, -10], [15, -10], [15, 12], [-15, 12]]}]
@@ -163,3 +163,27 @@ def test_half_a_tunnel_on_a_line_of_symmetry_is_cut_there():
     text = changed("[[-15, -10], [15, -10], [15, 12], [-15, 12]]", "[[0, -10], [15, -10], [15, 12], [0, 12]]")
     ground, _ = build_tunnel(parse_tunnel(text, HERE))
     assert ground.openings[0].polygon.area == pytest.approx(np.pi * 2.0, rel=1e-3)
+
+
+def test_a_picture_is_dug_into_as_polygons_are(tmp_path):
+    """22 m by 30 m at 0.25 m a pixel: clay over rock, the tunnel through both."""
+    from PIL import Image
+
+    picture = Image.new("RGB", (120, 88), "#8c6d31")
+    picture.paste("#5f7f9f", (0, 44, 120, 88))
+    picture.save(tmp_path / "section.png")
+    regions = 'section.regions = [{material = "clay", polygon = [[-15, -10], [15, -10], [15, 12], [-15, 12]]}]'
+    image = (
+        'section = {image = "section.png", scale = "0.25 m/px", origin = [-15, -11], '
+        'legend = {"#8c6d31" = "clay", "#5f7f9f" = "rock"}}'
+    )
+    text = changed(regions, image)
+    clay = text[text.index("[material.clay]") :]
+    text = changed("particles = 900", "particles = 1000", text)
+    case = parse_tunnel(text + clay.replace("material.clay", "material.rock"), tmp_path)
+    ground, plan = build_tunnel(case)
+    assert set(ground.material_of) == {"clay", "rock"}
+    inside = [m for m, o in zip(ground.material_of, ground.opening_of, strict=True) if o == 0]
+    assert sorted(inside) == ["clay", "rock"]
+    assert case.beside()[1] == {"section.png": tmp_path / "section.png"}
+    assert plan.openings[0].name == "tunnel"
