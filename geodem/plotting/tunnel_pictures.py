@@ -224,8 +224,8 @@ def check_figure(view: TunnelView) -> Figure:
     draw_loads(axes, ground)
     low, high = ground.positions.min(axis=0), ground.positions.max(axis=0)
     size = float(np.clip(1.6 * np.sqrt(4000.0 / len(ground.positions)), 0.5, 3.0))
-    x, y = ground.positions.T
-    axes.scatter(x, y, s=size, color=SOFT, linewidths=0, zorder=2.2, rasterized=True)
+    across, up = ground.positions.T
+    axes.scatter(across, up, s=size, color=SOFT, linewidths=0, zorder=2.2, rasterized=True)
     handles: list[Any] = [
         Patch(facecolor=material_colour(k), edgecolor="#8794a1", label=name)
         for k, name in enumerate(ground.materials)
