@@ -83,10 +83,12 @@ def test_stress_before_the_digging_has_the_given_k0():
     """sigma_y = gamma z and sigma_x = K0 sigma_y, at rest without any displacement."""
     ground, plan = level_ground(k0=0.6)
     digging = Digging(ground, plan)
-    y = ground.model.positions[ground.model.point_particle, 1]
-    inside = (y > -8.0) & (y < 10.0)
-    stress = digging.initial.stress[inside]
-    assert np.allclose(stress[:, 1], -20e3 * (12.0 - y[inside]), rtol=0.05, atol=3e3)
+    x, y = ground.model.positions.T
+    inside = (y > -8.0) & (y < 10.0) & (np.abs(x) < 14.0)
+    stress = ground.model.particle_mean(digging.initial.stress)[inside]
+    # the mean over the ground around a particle lies off it by a share of the spacing, some 2 m here
+    assert np.allclose(stress[:, 1], -20e3 * (12.0 - y[inside]), rtol=0.02, atol=6e3)
+    assert np.mean(stress[:, 1] + 20e3 * (12.0 - y[inside])) == pytest.approx(0.0, abs=500.0)
     assert np.allclose(stress[:, 0], 0.6 * stress[:, 1], rtol=0.02, atol=1e3)
 
 
