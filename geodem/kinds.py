@@ -242,6 +242,23 @@ _ALL = (
             "factor of safety [-]": "factors[kind=strength-reduction].value",
         },
     ),
+    Kind(
+        "cutting",
+        "geodem run",
+        reader="case.cutting_reading:parse_cutting",
+        runner="cutting_run:run_cutting",
+        resumer="cutting_run:resume_cutting",
+        redrawer="cutting_run:redraw_cutting",
+        checker="cutting_check:check_cutting",
+        answerer="plotting.cutting_wording:answer",
+        table={
+            "cutting force [N/m]": "forces.cutting_N_per_m.mean",
+            "cutting force, mean of peaks [N/m]": "forces.cutting_N_per_m.mean_of_peaks",
+            "normal force [N/m]": "forces.normal_N_per_m.mean",
+            "specific energy [Pa]": "specific_energy_Pa",
+            "chips [-]": "chips.chips",
+        },
+    ),
 )
 
 KINDS: Mapping[str, Kind] = {kind.name: kind for kind in _ALL}

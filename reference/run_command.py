@@ -9,6 +9,7 @@ from types import ModuleType
 from .problems import (
     arrays,
     cantilever,
+    cutting,
     dice2d,
     dice2d_cavern,
     dice2d_slope,
@@ -44,6 +45,7 @@ HELP = "run a group of problems, print every figure beside its bound, store the 
 PROBLEMS: dict[str, ModuleType] = {
     "arrays": arrays,
     "cantilever": cantilever,
+    "cutting": cutting,
     "dice2d": dice2d,
     "dice2d-cavern": dice2d_cavern,
     "dice2d-slope": dice2d_slope,

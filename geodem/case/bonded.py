@@ -34,6 +34,10 @@ PER_CONTACT = {
     },
     "linear_frictional": {**_SPRINGS, "friction_coefficient": "dimensionless", **_DASHPOTS},
     "linear_incremental": {**_SPRINGS, "friction_coefficient": "dimensionless", **_DASHPOTS},
+    "linear_rolling": {
+        **_SPRINGS, "friction_coefficient": "dimensionless", "rolling_friction": "dimensionless",
+        "twisting_friction": "dimensionless", **_DASHPOTS,
+    },
 }  # fmt: skip
 """Parameters of laws whose numbers are those of one contact and go with the size of its grains; scenes alone take
 them, as in tables of DICE2D: per metre of depth in 2D."""
@@ -321,4 +325,6 @@ _EXAMPLES = {
     "moment_contribution": "0.0",
     "radius_factor": "1.0",
     "width_ratio": "0.5",
+    "rolling_friction": "0.3",
+    "twisting_friction": "0.0",
 }
