@@ -55,7 +55,7 @@ def test_a_smooth_face_feels_its_normal_alone(tmp_path):
     while not found.finished:
         found.advance()
     c = found.columns()
-    # CASES P19: tan(psi - alpha), psi = 0
+    # tan(psi - alpha), psi = 0
     felt = c["cutting_face"] > 0.0
     assert felt.any()
     np.testing.assert_allclose(

@@ -53,7 +53,7 @@ def test_a_round_tip_has_its_radius_and_goes_over_smoothly():
 
 
 def test_normal_over_cutting_force_of_a_sliding_face():
-    # CASES P19: Fn/Fc = tan(psi - alpha); Merchant's worked numbers 0.31/3.57, 2.42/6.65, 12.2/17.4
+    # Fn/Fc = tan(psi - alpha); Merchant's worked numbers 0.31/3.57, 2.42/6.65, 12.2/17.4
     for rake, ratio in ((15.0, 0.31 / 3.57), (0.0, 2.42 / 6.65), (-15.0, 12.2 / 17.4)):
         assert tool(rake=rake).ratio == pytest.approx(ratio, rel=0.02)
 

@@ -1,4 +1,4 @@
-"""Evans and Nishimatsu beside the worked numbers of CASES P19."""
+"""Evans and Nishimatsu beside numbers worked by hand."""
 
 import math
 

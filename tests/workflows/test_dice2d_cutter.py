@@ -1,30 +1,35 @@
-"""The workflow as it is shipped, in its quick form."""
+"""The case as it is shipped: read and built; `python -m reference run cutting` cuts it."""
 
 from __future__ import annotations
 
-import subprocess
-import sys
+import math
 import tomllib
-from pathlib import Path
 
-from tests.small_cases import ROOT, environment, result_of
+import pytest
+
+from geodem.case.cutting_reading import parse_cutting
+from geodem.cutting_building import make_cut
+from tests.small_cases import ROOT
 
 WORKFLOW = ROOT / "workflows" / "dice2d_cutter"
 
 
-def test_quick_run_from_python_checks_itself(tmp_path: Path):
-    command = [sys.executable, str(WORKFLOW / "run.py"), str(tmp_path / "out"), "--quick"]
-    done = subprocess.run(
-        command, capture_output=True, text=True, env=environment(), timeout=240, check=False
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "OFF" not in done.stdout
-    result = result_of(tmp_path / "out")
-    assert result["quick"]
-    expected = tomllib.loads((WORKFLOW / "expected.toml").read_text())
-    for place, wanted in expected.items():
-        found = result
-        for key in place.split("."):
-            found = found[key]
-        assert wanted["quick"][0] <= found <= wanted["quick"][1], place
-        assert wanted["source"]
+def test_the_case_has_the_numbers_of_table_4_2():
+    case = parse_cutting((WORKFLOW / "case.toml").read_text(encoding="utf-8"), WORKFLOW)
+    cut = make_cut(case)
+    expected = tomllib.loads((WORKFLOW / "expected.toml").read_text(encoding="utf-8"))
+    low, high = expected["particles"]["within"]
+    assert low <= cut.assembly.particles <= high
+    # Zhao 2015, table 4.2 and section 4.3.2
+    rock = case.scene.materials["rock"]
+    assert rock.bond["normal_stiffness"] == 1e8
+    assert rock.bond["shear_stiffness"] == 3e7
+    assert rock.bond["tensile_strength"] == 4e7
+    assert rock.bond["cohesion"] == 2e8
+    assert rock.bond["width_ratio"] == 0.1
+    assert math.degrees(math.atan(rock.bond["friction_coefficient"])) == pytest.approx(30.0)
+    assert case.plan.damping == 0.01
+    assert case.plan.speed == 5.0
+    # the face stands at 30 deg to the horizontal
+    assert 90.0 - math.degrees(case.plan.tool.rake) == pytest.approx(30.0)
+    assert cut.scene.box.tolist() == [[0.0, 0.0], [400.0, 200.0]]
