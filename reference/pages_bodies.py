@@ -51,6 +51,13 @@ GROUPS = (
         "strength reduction and by relaxation, beside the middle of bounds by limit analysis.",
     ),
     Group(
+        "cutting",
+        "Cutting rock",
+        "A drag tool in weak and in brittle rock, and DICE2D's cutter. The direction of the force on the face follows "
+        "friction where the rock slides up on it; at rakes of 0 and below much of it is crushed without sliding. Mean "
+        "forces over a few depths of way scatter by a third from packing to packing: so do line, power and halved speed.",
+    ),
+    Group(
         "tunnels-spalling",
         "A tunnel in hard rock that spalls",
         "Discs under 10 MPa from the sides and 5 MPa from above, a circle excavated, its face relaxed in stages; "
