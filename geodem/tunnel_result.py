@@ -69,7 +69,12 @@ def assemble(
         "tolerance": case.tolerance,
         "notices": [text.removesuffix(".") for text in (*case.notices, *digging.ground.particles.messages)],
         "warnings": [
-            text.removesuffix(".") for text in (*case.questions, *_warnings(case, digging, factors))
+            text.removesuffix(".")
+            for text in (
+                *case.questions,
+                *_warnings(case, digging, factors),
+                *_lining_warnings(digging, records),
+            )
         ],
         "digest": digest(digging, reaction, records),
     }
@@ -214,6 +219,30 @@ def _warnings(case: TunnelCase, digging: Digging, factors: Sequence[Mapping[str,
         if entry["undecided"]:
             listed = ", ".join(f"{factor:.4g}" for factor in entry["undecided"])
             found.append(f"{entry['kind']}: undecided at {listed}; the bracket includes them")
+    return found
+
+
+def _lining_warnings(digging: Digging, records: Mapping[str, MethodRecord]) -> list[str]:
+    """What a lining, elastic at any thrust, bears at the last stable factor: the factor counts on it."""
+    found = []
+    known = {entry.name: entry for entry in digging.plan.linings}
+    for kind, record in records.items():
+        if record.stable is None:
+            continue
+        place = 0
+        for built in digging.built:
+            support = record.stable.state.support[place : place + len(built.rows)]
+            place += len(built.rows)
+            if built.kind != "lining":
+                continue
+            lining = known[built.name]
+            stress = lining_forces(built, support, lining.thickness).largest_compression
+            used = _share(stress, lining.compressive_strength)
+            times = "" if used is None else f", {used:.3g} times its strength"
+            found.append(
+                f"{kind}: the lining {built.name} stays elastic; at the last stable factor, "
+                f"{record.stable.factor:.4g}, it bears a compression of {stress / 1e6:.3g} MPa{times}"
+            )
     return found
 
 

@@ -21,6 +21,8 @@ from .units import show
 
 NEAR = 2.2
 """Half of the window around the openings, over their half size."""
+FARTHEST = 4.5
+"""Yielded ground and bolts beyond that many half sizes do not widen the window."""
 
 
 def make_view(
@@ -147,6 +149,8 @@ def _window(digging: Digging, stands: Standing, points: Any) -> tuple[float, flo
     at = [stands.model.positions[stands.model.point_particle[points]]]
     at += [np.array(bolts.bars).reshape(-1, 2) for bolts in digging.plan.bolts]
     for some in at:
+        # what yields far away, a weak surface for one, does not make the openings small
+        some = some[np.abs(some - centre).max(axis=1) < FARTHEST * float(half.max())]
         if len(some):
             reach = np.maximum(reach, 1.15 * np.abs(some - centre).max(axis=0))
     positions = digging.ground.model.positions

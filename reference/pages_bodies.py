@@ -44,11 +44,12 @@ GROUPS = (
     Group(
         "tunnels",
         "Tunnels in ground that yields",
-        "A round hole in a Mohr-Coulomb medium under even stress: its whole reaction curve, yielded zone and lining "
-        "beside the closed form of Salencon, at several numbers of particles, for psi = phi and for psi = 0, whose answer "
-        "depends on the mesh, and with other sides of the section. Yielding bars: their pull is spread over the wall "
-        "in the closed form and stands at single places in the ground. Tunnels in clay to their collapse by the load, by "
-        "strength reduction and by relaxation, beside the middle of bounds by limit analysis.",
+        "A round hole in a Mohr-Coulomb medium under even stress: its whole reaction curve, yielded zone and "
+        "lining beside the closed form of Salencon, at several numbers of particles, for psi = phi and for "
+        "psi = 0, whose answer depends on the mesh, and with other sides of the section. Yielding bars: their "
+        "pull is spread over the wall in the closed form and stands at single places in the ground. Tunnels "
+        "in clay to their collapse by the load, by strength reduction and by relaxation, beside the middle of "
+        "bounds by limit analysis.",
     ),
     Group(
         "cutting",
