@@ -264,11 +264,17 @@ def redraw_tunnel(folder: Path, case: TunnelCase) -> Path:
     beside, copies = case.beside()
     text = beside.as_run_text()
     run = RunFolder(folder, text, _identity(text, copies), written=WRITTEN, sources=copies)
-    if stored.get("status") != "done" or run.part("stages") is None:
+    if stored.get("status") != "done":
         raise InputError(
             str(folder),
             "the run is not finished, so there is nothing to draw",
             f"Go on: geodem resume {folder}",
+        )
+    if run.part("stages") is None:
+        raise InputError(
+            str(folder / "parts"),
+            "what is to be drawn is gone, or was written by another geodem or of another case",
+            "Run the case again: geodem run CASE --out DIR --overwrite",
         )
     work = _built(case, run, None, None)
     work.work()  # every part is there, and is read
