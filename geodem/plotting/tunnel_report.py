@@ -185,8 +185,8 @@ def _reading(result: Mapping[str, Any]) -> str:
         "Relaxed: share of the forces of the excavated ground that is gone. What stands in for the face, which in the "
         "ground carries the rest, is for you to choose.",
         "Mean convergence: area that the opening lost, over the length of its wall.",
-        "Yielded ground in radii: root of one plus the yielded area over that of the opening. All that has yielded since "
-        "the digging began counts, weak ground at the surface too: see the picture.",
+        "Yielded ground in radii: root of one plus the yielded area over that of the opening. All that has yielded "
+        "since the digging began counts, weak ground at the surface too: see the picture.",
         "A lining is a thin elastic ring on the wall, joined to the ground without slip. Its weight is left out.",
         "Bolts stand for one bolt every spacing along the tunnel; they yield at their force.",
         "Strength reduction takes the strength of the ground alone; supports keep theirs.",
