@@ -65,7 +65,7 @@ def assemble(case: BreakingCase, works: Works, ends: Sequence[StageEnd]) -> dict
         "critical_time_step_s": s.critical_time_step,
         "steps": s.steps + sum(trial.steps for end in ends if end.search for trial in end.search.trials),
         "simulated_time_s": s.time,
-        "factors": [_factor(end, names) for end in ends if end.search is not None],
+        "factors": [_factor(end, works, names) for end in ends if end.search is not None],
         "stages": _stages(ends),
         "points": _points(case, site),
         "cracks": {**cracks.by_mode(), "by_materials": by_materials(cracks, works, names)},
@@ -125,7 +125,7 @@ def first_cracks(search: Search, names: Sequence[str]) -> dict[str, Any]:
     }
 
 
-def _factor(end: StageEnd, names: Sequence[str]) -> dict[str, Any]:
+def _factor(end: StageEnd, works: Works, names: Sequence[str]) -> dict[str, Any]:
     search = end.search
     assert search is not None
     found, method = search.bracket, search.plan.method
@@ -139,6 +139,9 @@ def _factor(end: StageEnd, names: Sequence[str]) -> dict[str, Any]:
         "failed": found.failed,
         "undecided": list(found.undecided),
         "criterion": next((t.criterion for t in deciding if t.verdict == "failed"), ""),
+        "cracks_when_stable": []
+        if search.stable is None
+        else by_materials(Site.from_tree(search.stable).cracks(), works, names),
         "failure": first_cracks(search, names),
         "trials": [{**trial.as_dict(), "seconds": round(trial.seconds, 3)} for trial in search.trials],
     }

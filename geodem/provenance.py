@@ -44,6 +44,8 @@ TELLING = (
     "cutting_check.py",
     "cutting_result.py",
     "cutting_run.py",
+    "breaking_result.py",
+    "breaking_run.py",
     "__main__.py",
     "laboratory_run.py",
     "calibration_run.py",

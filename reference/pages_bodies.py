@@ -59,6 +59,20 @@ GROUPS = (
         "forces over a few depths of way scatter by a third from packing to packing: so do line, power and halved speed.",
     ),
     Group(
+        "dice2d-slope",
+        "DICE2D's slope",
+        "A slope over a weak layer as gravity grows, without and with bolts (Zhao 2015, section 4.3.3), rebuilt from "
+        "its text: what is assumed stands in workflows/rock_slope. The slope fails by the buckling of the rock bridge at "
+        "its foot, which no strength decides: hence a factor by strength reduction above that of gravity, where friction "
+        "should make it the lower one.",
+    ),
+    Group(
+        "dice2d-cavern",
+        "DICE2D's frame and cavern",
+        "A frame on jointed rock as gravity grows, without and with a cavern below it (Zhao 2015, section 4.3.4), "
+        "rebuilt from its text: what is assumed stands in workflows/frame_on_rock.",
+    ),
+    Group(
         "tunnels-spalling",
         "A tunnel in hard rock that spalls",
         "Discs under 10 MPa from the sides and 5 MPa from above, a circle excavated, its face relaxed in stages; "
