@@ -62,8 +62,8 @@ GROUPS = (
         "dice2d-slope",
         "DICE2D's slope",
         "A slope over a weak layer as gravity grows, without and with bolts (Zhao 2015, section 4.3.3), rebuilt from "
-        "its text: what is assumed stands in workflows/rock_slope. The slope fails by the buckling of the rock bridge at "
-        "its foot, which no strength decides: hence a factor by strength reduction above that of gravity, where friction "
+        "its text: what is assumed stands in workflows/rock_slope. It fails by the buckling of the rock bridge at its "
+        "foot, which no strength decides: hence a factor by strength reduction above that of gravity, where friction "
         "should make it the lower one.",
     ),
     Group(
