@@ -97,6 +97,8 @@ def site_figure(site: Site, colour: str, title: str, *, cracks: bool = True) -> 
     s = copy.copy(site.simulation)
     s.assembly = replace(s.assembly, positions=site.settled[site.number])
     figure = particle_figure(s, colour=colour, cracks=cracks, title=title)
+    # two lines of names below take the room of the title
+    figure.set_size_inches(figure.get_figwidth(), figure.get_figheight() + 0.3)
     if s.dimension == 2:
         _mark_points(figure.axes[0], site)
     return figure
@@ -188,13 +190,13 @@ def _both(found: dict[str, Drawn], name: str, site: Site, stage: int, words: str
         stage,
         False,
         f"Displacement since the ground settled, {words}.",
-        "Displacement",
+        f"Displacement, {words}",
     )
     if sum(cracks.values()):
         _add(
             found, f"{name}-cracks", site, "material", stage, True,
             f"Cracks by mode on the materials, {words}: {cracks['tension']:,} in tension, {cracks['shear']:,} in "
-            "shear. Cracks that have opened by more than half a grain show as gaps.", "Cracks",
+            "shear. Cracks that have opened by more than half a grain show as gaps.", f"Cracks, {words}",
         )  # fmt: skip
 
 
