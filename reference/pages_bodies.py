@@ -75,10 +75,10 @@ GROUPS = (
     Group(
         "tunnels-spalling",
         "A tunnel in hard rock that spalls",
-        "Discs under 10 MPa from the sides and 5 MPa from above, a circle excavated, its face relaxed in stages. Hoop stress "
+        "Discs under 10 MPa from the sides and 5 MPa from above, a circle excavated in stages. Hoop stress "
         "is the force that contacts carry across rays, by its second harmonic, the mean of four arrangements of 12,000 "
         "discs, 14 across the radius; one alone is up to 8 % off beside the wall. The outermost grains lack neighbours "
-        "and bear less, those behind them more. Then the far field grows until bonds break: where the first ones do, and "
+        "and bear less, those behind them more. Then the far field grows until bonds break: where the first do, and "
         "Kirsch's largest hoop stress at that load over the strength of a specimen with the same grains and bonds.",
     ),
 )
