@@ -5,11 +5,14 @@ Title, first paragraph, commands and picture come from the folder's README.md, w
 
 from __future__ import annotations
 
+import io
 import re
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
+
+from PIL import Image
 
 from geodem import units
 from reference.pages_tables import table
@@ -17,6 +20,11 @@ from reference.pages_tables import table
 ROOT = Path(__file__).resolve().parent.parent
 WORKFLOWS = ROOT / "workflows"
 PICTURES = "pictures/gallery"
+HEAVY = 290_000
+"""Bytes of a picture that is too much for a page."""
+
+ACROSS = 800
+"""Pixels of such a picture on the page."""
 
 _UNITS = {"_Pa": "stress", "_rad": "angle", "_m": "length", "_N": "force", "_kg_per_m3": "density"}
 """Ends of keys in expected.toml, and the kind of quantity that each is of."""
@@ -72,8 +80,21 @@ def write_gallery(docs: Path, workflows: Path = WORKFLOWS) -> list[Path]:
     for stale in set(folder.glob("*.png")) - set(copies):
         stale.unlink()
     for copy, picture in copies.items():
-        copy.write_bytes(picture.read_bytes())
+        copy.write_bytes(_light(picture))
     return [page, *copies]
+
+
+def _light(picture: Path) -> bytes:
+    """A picture as it is, or smaller and in fewer colours where it is heavy for a page."""
+    content = picture.read_bytes()
+    if len(content) < HEAVY:
+        return content
+    with Image.open(picture) as image:
+        small = image.convert("RGB")
+    small.thumbnail((ACROSS, ACROSS))
+    buffer = io.BytesIO()
+    small.quantize(256, dither=Image.Dither.NONE).save(buffer, format="PNG", optimize=True)
+    return buffer.getvalue()
 
 
 def read_workflows(workflows: Path = WORKFLOWS) -> list[Workflow]:
@@ -113,9 +134,14 @@ def read_workflow(folder: Path) -> Workflow:
     held = folder / "expected.toml"
     expected = tomllib.loads(held.read_text(encoding="utf-8")) if held.is_file() else {}
     return Workflow(
-        folder, title[1].strip(), " ".join(paragraphs[0].split()), tuple(c for c in commands if "--quick" not in c),
+        folder, title[1].strip(), _plain(paragraphs[0]), tuple(c for c in commands if "--quick" not in c),
         picture, caption, expected,
     )  # fmt: skip
+
+
+def _plain(paragraph: str) -> str:
+    """On one line, and without links that lead from the folder of the README, not from this page."""
+    return re.sub(r"\[([^\]]*)\]\((?!https?:)[^)]*\)", r"\1", " ".join(paragraph.split()))
 
 
 def gallery_page(found: list[Workflow]) -> str:

@@ -80,7 +80,7 @@ def test_a_workflow_without_a_picture_is_refused(tmp_path, lacking):
     for name in ("section.png", "result.png"):
         (folder / name).write_bytes(b"")
     parts = {
-        "title": "# A question", "paragraph": "What is\nit?", "input": "![Drawing](section.png)",
+        "title": "# A question", "paragraph": "What is\n[it](../x/README.md)?", "input": "![Drawing](section.png)",
         "command": "    geodem run workflows/new_one   # a minute", "picture": "![Answer](result.png)",
     }  # fmt: skip
     (folder / "README.md").write_text("\n\n".join(parts.values()))
