@@ -8,6 +8,7 @@ from typing import Any
 
 from geodem.units import show
 
+LOOSE = "The ground has no bonds: nothing breaks off."
 RATIO = (
     "On the face the ground pushes at the friction angle to its normal where it slides up, so that normal over cutting "
     "force is tan(friction angle - rake)."
@@ -77,6 +78,8 @@ def face_line(result: Mapping[str, Any]) -> str:
 def chip_rows(result: Mapping[str, Any]) -> list[tuple[str, str]]:
     """What was cut off."""
     c = result["chips"]
+    if not result["bonds"]:
+        return [("chips", LOOSE)]
     rows = [
         ("chips", f"{c['chips']:,}"),
         (
@@ -97,6 +100,8 @@ def chip_rows(result: Mapping[str, Any]) -> list[tuple[str, str]]:
 def crack_rows(result: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Cracks and where they ran."""
     c = result["cracks"]
+    if not result["bonds"]:
+        return []
     return [
         ("cracks", f"{c['tension']:,} in tension, {c['shear']:,} in shear"),
         ("more than a grain ahead of the tip", f"{c['ahead']:,}, up to {length(c['ahead_m'])}"),
@@ -132,8 +137,11 @@ def answer(result: Mapping[str, Any]) -> list[tuple[str, str]]:
     """What a run ends with."""
     c = result["chips"]
     peak = result["forces"]["cutting_N_per_m"]["mean_of_peaks"]
+    chips = LOOSE
+    if result["bonds"]:
+        chips = f"{c['chips']:,} chips and {c['single_grains']:,} single grains; {crack_rows(result)[0][1]}."
     return [
         (headline(result), f" per metre of width; mean of peaks {line_load(peak)}."),
         ("", face_line(result)),
-        ("", f"{c['chips']:,} chips and {c['single_grains']:,} single grains; {crack_rows(result)[0][1]}."),
+        ("", chips),
     ]
