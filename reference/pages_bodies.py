@@ -56,8 +56,8 @@ GROUPS = (
         "Cutting rock",
         "A drag tool in weak and in brittle rock, and DICE2D's cutter. The direction of the force on the face follows "
         "friction where the rock slides up on it; at rakes of 0 and below much of it is crushed without sliding. Mean "
-        "forces over a few depths of way scatter by a third from packing to packing: so do line, power and halved "
-        "speed.",
+        "forces over four depths of way scatter much, and with them the line, the powers and the force at half "
+        "the speed.",
     ),
     Group(
         "dice2d-slope",
