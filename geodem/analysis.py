@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -363,17 +363,8 @@ class Analysis:
         # the file in the folder has every default written out, so what was taken by default is known here only
         case = replace(case, notices=tuple(tree["notices"]), questions=tuple(tree["questions"]))
         self = cls(case, folder, **options)
-        mesh = tree["mesh"]
         self.section = make_section(case)
-        self.particles = Particles(
-            positions=mesh["positions"],
-            triangles=mesh["triangles"],
-            triangle_material=mesh["triangle_material"],
-            materials=tuple(mesh["materials"]),
-            boundary_edges=mesh["boundary_edges"],
-            spacing=mesh["spacing"],
-            messages=tuple(mesh["messages"]),
-        )
+        self.particles = particles_from_tree(tree["mesh"])
         self.model = make_model(self.case, self.particles)
         self.records = {kind: MethodRecord.from_tree(tree["methods"][kind]) for kind in case.methods}
         self.bracketed, self.focus = tree["bracketed"], tree["focus"]
@@ -393,3 +384,16 @@ class Analysis:
     def done(self) -> bool:
         """Whether every method has its factor."""
         return bool(self.records) and all(record.done for record in self.records.values())
+
+
+def particles_from_tree(mesh: Mapping[str, Any]) -> Particles:
+    """The particles of a checkpoint tree's "mesh"."""
+    return Particles(
+        positions=mesh["positions"],
+        triangles=mesh["triangles"],
+        triangle_material=mesh["triangle_material"],
+        materials=tuple(mesh["materials"]),
+        boundary_edges=mesh["boundary_edges"],
+        spacing=mesh["spacing"],
+        messages=tuple(mesh["messages"]),
+    )

@@ -259,6 +259,21 @@ _ALL = (
             "chips [-]": "chips.chips",
         },
     ),
+    Kind(
+        "runout",
+        "geodem run",
+        reader="case.runout:parse_runout",
+        runner="runout_run:run_runout",
+        resumer="runout_run:resume_runout",
+        redrawer="runout_run:redraw_runout",
+        checker="runout_check:check_runout",
+        answerer="plotting.runout_wording:answer",
+        table={
+            "run-out [m]": "deposit.run_out_m",
+            "angle of reach [deg]": "deposit.angle_of_reach_deg",
+            "moved mass [kg/m]": "moved.mass_kg_m",
+        },
+    ),
 )
 
 KINDS: Mapping[str, Kind] = {kind.name: kind for kind in _ALL}

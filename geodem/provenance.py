@@ -46,6 +46,7 @@ TELLING = (
     "cutting_run.py",
     "breaking_result.py",
     "breaking_run.py",
+    "runout_check.py",
     "__main__.py",
     "laboratory_run.py",
     "calibration_run.py",

@@ -64,6 +64,24 @@ GROUPS = (
         "to seven at the foot, where the stress lies above that of saturation. A box sixteen grains wide drains "
         "through round holes.\n\n![Run-out, stress with depth, rate of flow](pictures/granular_flow.png)",
     ),
+    Group(
+        "runout",
+        "Failed ground handed over to discs",
+        "Slopes that a strength reduction brought to failure are handed over to a thousand discs, moving as they fail "
+        "with the energy that the search took out as damping. Differences are over the value; of centres over the "
+        "height of what moves, of momenta over those of the same mass moving as one with the same kinetic energy, of "
+        "energies over the energy above the lowest point of what moves. The friction of contacts comes from a table "
+        "of residual angles; three fresh packings of each are sheared to 40 % in biaxial compression.",
+    ),
+    Group(
+        "trapdoor",
+        "Trapdoor under dry discs",
+        "A door in a rough floor sinks under discs with the friction of the table above, three packings each. Limit "
+        "analysis with associated flow gives the least pressure that may be, Terzaghi's silo with K = 1 more; the "
+        "minimum is held to lie between them, a tenth outside allowed. Dense discs bear more than their residual "
+        "angle at first, and the edges of the door carry discs that rest on both sides of them, so fewer discs across "
+        "the door give lower pressures.\n\n![Pressure over the movement of the door](pictures/trapdoor.png)",
+    ),
 )
 
 

@@ -14,7 +14,7 @@ from geodem.case.data import (
     SectionOptions,
 )
 from geodem.case.document import read_text
-from geodem.case.head import read_head
+from geodem.case.head import CaseHead, read_head
 from geodem.case.loading import read_boundary, read_loads
 from geodem.case.material import check_names, read_materials
 from geodem.case.mesh_section import MeshSection
@@ -90,11 +90,20 @@ def parse_case(text: str, folder: Path) -> Case:
         All that is wrong in it, in its order.
     """
     head = read_head(text, folder, "slope", KEYS, example="My slope")
+    read = read_slope(head, folder)
+    return Case(**head.close(), **read, workflow="slope")
+
+
+def read_slope(head: CaseHead, folder: Path, methods: tuple[str, ...] | None = None) -> dict[str, Any]:
+    """Entries of `Case` but those that every case has; `methods` where they are not the case's to choose.
+
+    What is wrong is told in the head's findings; the entries then are not to be used.
+    """
     document, top, findings = head.document, head.top, head.findings
     particles, spacing = _resolution(top)
     nodes = _on_nodes(top)
     packing = top.choice("packing", PACKINGS, default="random") if "packing" in top or not nodes else "random"
-    methods = _methods(top)
+    methods = _methods(top) if methods is None else methods
     tolerance = _tolerance(top)
     seed = top.integer("seed", smallest=0, remedy="Write a whole number such as 1.")
     if "seed" not in top:
@@ -121,26 +130,19 @@ def parse_case(text: str, folder: Path) -> Case:
     if section is not None and spacing is not None:
         check_spacing(findings, section, spacing)
     reference = _reference(top)
-    common = head.close()
-    # every None below has been reported
-    assert packing is not None
-    assert seed is not None
-    assert section is not None
-    return Case(
-        **common,
-        workflow="slope",
-        particles=particles,
-        spacing=spacing,
-        packing=packing,
-        methods=methods,
-        tolerance=tolerance,
-        seed=seed,
-        section=section,
-        boundary=boundary,
-        loads=loads,
-        materials=materials,
-        reference=reference,
-    )
+    return {
+        "particles": particles,
+        "spacing": spacing,
+        "packing": packing,
+        "methods": methods,
+        "tolerance": tolerance,
+        "seed": seed,
+        "section": section,
+        "boundary": boundary,
+        "loads": loads,
+        "materials": materials,
+        "reference": reference,
+    }
 
 
 def _resolution(top: Table) -> tuple[int | None, float | None]:
