@@ -80,7 +80,7 @@ GROUPS = (
         "analysis with associated flow gives the least pressure that may be, Terzaghi's silo with K = 1 more; the "
         "minimum is held to lie between them, a tenth outside allowed. Dense discs bear more than their residual "
         "angle at first, and the edges of the door carry discs that rest on both sides of them, so fewer discs across "
-        "the door give lower pressures.\n\n![Pressure over the movement of the door](pictures/trapdoor.png)",
+        "the door give lower pressures.",
     ),
 )
 

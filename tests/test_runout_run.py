@@ -128,7 +128,8 @@ def test_a_folder_of_another_case_is_left_alone(whole, tmp_path):
         run_runout(other, folder)
 
 
-def test_check_tells_what_a_run_will_cost(tmp_path):
+def test_check_tells_what_a_run_will_cost(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # where the picture goes
     path = tmp_path / "case.toml"
     path.write_text(TEXT)
     done = geodem("check", path)

@@ -228,5 +228,5 @@ def column_rows() -> list[Row]:
 
 
 def run() -> list[Row]:
-    """All of them."""
-    return [*hand_over_rows(), *friction_rows(), *column_rows()]
+    """What the hand-over keeps; friction and columns are groups of their own."""
+    return hand_over_rows()
