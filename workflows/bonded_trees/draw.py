@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import runpy
 from pathlib import Path
 
 import numpy as np
@@ -11,18 +10,34 @@ from PIL import Image
 HERE = Path(__file__).resolve().parent
 GAP = 4
 """Columns between two firs."""
+GREEN, BROWN, SKY = (46, 110, 62), (122, 84, 52), (255, 255, 255)
+TIERS = ((1, 13), (7, 23), (11, 31), (17, 41))
+"""Widths of the first and the last row of every tier; each row is two pixels wider than the one above."""
+TRUNK = (3, 18)
+"""Width and height."""
+
+
+def fir() -> np.ndarray:
+    """The picture (rows, columns, 3), the top row first."""
+    widths = [width for first, last in TIERS for width in range(first, last + 1, 2)]
+    wide = max(widths)
+    rows = [(width, GREEN) for width in widths] + [(TRUNK[0], BROWN)] * TRUNK[1]
+    picture = np.full((len(rows), wide, 3), SKY, dtype=np.uint8)
+    for number, (width, colour) in enumerate(rows):
+        left = (wide - width) // 2
+        picture[number, left : left + width] = colour
+    return picture
 
 
 def trees() -> np.ndarray:
     """The picture (rows, columns, 3), the top row first."""
-    one = runpy.run_path(str(HERE.parent / "tree_collapse" / "draw.py"), run_name="imported")
-    fir, sky = one["fir"](), one["SKY"]
-    high, wide, _ = fir.shape
-    picture = np.full((high + 1, 3 * wide + 2 * GAP, 3), sky, dtype=np.uint8)
+    one = fir()
+    high, wide, _ = one.shape
+    picture = np.full((high + 1, 3 * wide + 2 * GAP, 3), SKY, dtype=np.uint8)
     for number in range(3):
         left = number * (wide + GAP)
-        picture[1:, left : left + wide] = fir
-    picture[0, wide + GAP + wide // 2] = one["GREEN"]
+        picture[1:, left : left + wide] = one
+    picture[0, wide + GAP + wide // 2] = GREEN
     return picture
 
 
