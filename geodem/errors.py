@@ -5,6 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 
+LONGEST = 600
+"""Of each part of a message [characters]."""
+
+
 class InputError(ValueError):
     """Input that cannot be used.
 
@@ -39,7 +43,8 @@ class InputError(ValueError):
         found = "" if self.value is None else f" = {self.value!r}"
         shown = "" if self.picture is None else f" See {self.picture}."
         remedy = self.remedy if self.remedy.endswith((".", "?", ")")) else f"{self.remedy}."
-        return f"{self.place}{found}: {self.problem}. {remedy}{shown}"
+        place, problem, remedy = (_brief(text) for text in (self.place + found, self.problem, remedy))
+        return f"{place}: {problem}. {remedy}{shown}"
 
 
 class InputErrors(InputError):
@@ -58,6 +63,11 @@ class InputErrors(InputError):
 
     def __str__(self) -> str:
         return "\n".join(str(error) for error in self.errors)
+
+
+def _brief(text: str) -> str:
+    """Beginning and end of a text that names what a broken file holds, where that is longer than anyone reads."""
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 100]} ... {text[-95:]}"
 
 
 class StoppedError(RuntimeError):

@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geodem.builders.filling import (
+    EQUILATERAL,
     GRADINGS,
     Draft,
     FillTask,
     Packing,
     Thin,
+    TooFewParticlesError,
     draft_filling,
     fill,
     most_particles,
@@ -34,6 +36,9 @@ from geodem.errors import InputError
 if TYPE_CHECKING:
     from geodem.builders.section import Section
 
+
+STARVED_BY = 3.0
+"""Times the particles given that a refined place may seem to need before anything is placed."""
 
 # map coordinates this many times the section's extent leave too few digits to tell which circle is empty;
 # moved to the origin and back, the corners keep their bits
@@ -167,6 +172,7 @@ def fill_section(
         GRADINGS if grading is None else (grading,),
         most_particles(),
     )
+    _check_refined(task, particles)
     if spacing is not None:
         draft = draft_filling(task, _checked_spacing(section, spacing, task.most))
         refuse_thin(task, draft)
@@ -316,6 +322,25 @@ def _check_options(
         if not (math.isfinite(limit) and limit > 0.0):
             raise InputError(
                 f"refine[{index}]", "not a positive length in m", 'Give for example "0.2 m".', value=limit
+            )
+
+
+def _check_refined(task: FillTask, count: int | None) -> None:
+    """Refuse refined places that need far more particles than are given, or than the memory holds, before they are made."""
+    import shapely
+
+    lines = shapely.union_all([part.polygon.boundary for part in task.section.regions])
+    for index, (shape, limit) in enumerate(task.shapes):
+        area = task.section.outline.intersection(shape).area
+        needed = area / (2.0 * EQUILATERAL * limit**2) + lines.intersection(shape).length / limit
+        if needed > task.most:
+            raise too_many(round(needed), f"refine[{index}]", limit, task.most)
+        if count is not None and needed > STARVED_BY * count:
+            raise TooFewParticlesError(
+                f"a refined place alone needs about {needed:.0f}",
+                f"Give at least {math.ceil(1.1 * needed)}, or a larger spacing there.",
+                value=count,
+                needed=math.ceil(1.1 * needed),
             )
 
 

@@ -62,12 +62,13 @@ def read_terrain(
         )
     try:
         heights, origin, spacing, geographic = reader(source, place)
-    except (OSError, ValueError, KeyError, IndexError) as error:
-        if isinstance(error, InputError):
-            raise
+    except InputError:
+        raise
+    # NumPy, zipfile and tifffile raise what they come upon in a broken file, each its own sort
+    except Exception as error:
         raise InputError(
             place, f"the file is damaged ({error})", "Save it again.", value=str(path)
-        ) from error
+        ) from None
     return terrain_from(
         heights, origin, spacing, degrees=geographic if degrees is None else degrees, holes=holes, place=place
     )

@@ -39,6 +39,7 @@ NOTHING = "none"
 """The material of a class that is no ground."""
 _MATERIALS = 'materials = ["grain", "none"]'
 _LARGEST_BRIGHTNESS = 1.0
+_LARGEST_NUMBER = 1e300
 
 
 def read_source(top: Table, folder: Path, materials: tuple[str, ...]) -> GroundSource | None:
@@ -242,7 +243,9 @@ def _numbers(table: Table, key: str) -> tuple[float, ...] | None:
     if key not in table:
         return None
     entries = table.items(key, example="[0.4, 0.7]")
-    if not entries or any(isinstance(n, bool) or not isinstance(n, int | float) for n in entries):
+    if not entries or any(
+        isinstance(n, bool) or not isinstance(n, int | float) or not abs(n) < _LARGEST_NUMBER for n in entries
+    ):
         table.error(key, "numbers are needed here", f"Write {key} = [0.4, 0.7].")
         return None
     numbers = tuple(map(float, entries))

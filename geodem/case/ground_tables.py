@@ -121,7 +121,7 @@ def _grading(table: Table) -> tuple[tuple[float, float], ...] | None:
             points.append((values[0], values[1]))
     if isinstance(table.content["grading"], list) and len(table.content["grading"]) < 2:
         table.error("grading", "a sieve curve has two points at least", f"Write grading = {_GRADING}.")
-    elif len(points) == len(table.items("grading", example=_GRADING)):
+    elif points and len(points) == len(table.items("grading", example=_GRADING)):
         ends = points[0][1] == 0.0 and points[-1][1] == 1.0
         grows = all(b[0] >= a[0] and b[1] >= a[1] for a, b in itertools.pairwise(points))
         if not (ends and grows):

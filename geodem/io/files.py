@@ -74,7 +74,7 @@ def read_json(path: Path | str) -> dict[str, Any] | None:
     """What a JSON file holds; None where there is none that can be read."""
     try:
         return dict(json.loads(Path(path).read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError):
+    except (OSError, ValueError, TypeError, RecursionError):
         return None
 
 
