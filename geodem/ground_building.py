@@ -137,6 +137,7 @@ def _photograph(source: GroundSource) -> GroundBody:
 
 def _slices(source: GroundSource) -> GroundBody:
     from .builders.grid_sources import grid_from_slices, read_slices
+    from .builders.segmentation import luminance
 
     o = source.options
     if "legend" in o:
@@ -148,9 +149,7 @@ def _slices(source: GroundSource) -> GroundBody:
         )  # fmt: skip
     stack = read_slices(source.file)
     if stack.ndim == 4:
-        # luminance, ITU-R BT.601
-        full = 255.0 if stack.dtype == np.uint8 else 65535.0
-        stack = np.asarray(stack @ np.array([0.299, 0.587, 0.114]) / full)
+        stack = luminance(stack, 255.0 if stack.dtype == np.uint8 else 65535.0)
     return _segmented(source, stack, None, o["voxel"])
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -67,16 +66,18 @@ def load_filling(path: str | Path) -> BodyFilling:
     try:
         with np.load(source, allow_pickle=False) as archive:
             held = {name: np.asarray(archive[name]) for name in archive.files}
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
+    # NumPy, zipfile and zlib each have errors of their own for a damaged file
+    except Exception as error:
         raise InputError(
             "load_filling", f"the file is damaged or another kind ({error})", "Make the filling anew.",
             value=str(path),
         ) from error  # fmt: skip
     if str(held.get("kind", "")) != KIND:
         raise InputError("load_filling", "this is no filling", "Give one of save_filling.", value=str(path))
-    if int(held["format"]) != FORMAT:
+    form = str(held.get("format", "none"))
+    if form != str(FORMAT):
         raise InputError(
-            "load_filling", f"the file has the format {int(held['format'])}, this version reads {FORMAT}",
+            "load_filling", f"the file has the format {form}, this version reads {FORMAT}",
             "Make the filling anew.", value=str(path),
         )  # fmt: skip
     _refuse_misfits(held, str(path))
@@ -100,7 +101,13 @@ def _refuse_misfits(held: dict[str, np.ndarray], shown: str) -> None:
         "material": np.int32, "group": np.int32,
     }  # fmt: skip
     wrong = [name for name, kind in kinds.items() if name not in held or held[name].dtype != kind]
-    wrong += [name for name in ("materials", "arrangement", "remarks") if name not in held]
+    wrong += [
+        name
+        for name, axes in (("materials", 1), ("arrangement", 0), ("remarks", 1))
+        if name not in held or held[name].ndim != axes
+    ]
+    if "solid_fraction" in held and held["solid_fraction"].ndim:
+        wrong.append("solid_fraction")
     if not wrong:
         count = len(held["radii"]) if held["radii"].ndim == 1 else -1
         if held["positions"].shape not in ((count, 2), (count, 3)):

@@ -248,17 +248,20 @@ def _blobs(
     """Pixels of the most frequent colour that no listed colour explains, where there are too many of it."""
     from scipy import ndimage
 
+    from geodem.builders import image_mixtures as mixtures
+
     candidates = leftover.copy()
     if lossy:
         # noise makes rims along edges: only what is thicker than they are is a colour of its own
         candidates = ndimage.binary_opening(candidates, np.ones((4, 4), dtype=bool))
-    colours = pixels.colour.astype(np.int32)
+    colours = mixtures.as_numbers(pixels.colour)
     for _ in range(16):
         if candidates.sum() <= max(_UNLISTED_SHARE * candidates.size, speckle):
             return None
-        found, counts = np.unique(colours[candidates], axis=0, return_counts=True)
-        centre = found[np.argmax(counts)]
-        alike = candidates & (np.linalg.norm(colours - centre, axis=2) <= 40.0)
+        found, counts = np.unique(colours[candidates], return_counts=True)
+        centre = mixtures.as_colours(found[np.argmax(counts)])
+        squares = sum((pixels.colour[..., k].astype(np.int32) - centre[k]) ** 2 for k in range(3))
+        alike = candidates & (squares <= 40**2)
         numbered, number = ndimage.label(alike, np.ones((3, 3), dtype=bool))
         large = np.bincount(numbered.ravel(), minlength=number + 1) >= speckle
         large[0] = False
@@ -292,14 +295,16 @@ def _unlisted_error(
 ) -> InputError:
     from PIL import Image
 
-    found, counts = np.unique(pixels.colour[where], axis=0, return_counts=True)
-    colour = found[np.argmax(counts)].astype(np.int64)
+    from geodem.builders import image_mixtures as mixtures
+
+    found, counts = np.unique(mixtures.as_numbers(pixels.colour[where]), return_counts=True)
+    colour = mixtures.as_colours(found[np.argmax(counts)]).astype(np.int64)
     shown = "#{:02x}{:02x}{:02x}".format(*colour.tolist())
     listed = np.flatnonzero(owners > 0)
     nearest = keys[listed[np.argmin(np.linalg.norm(rgb[listed] - colour, axis=1))]]
     rows, columns = np.nonzero(where)
 
-    faded = (pixels.colour.astype(float).mean(axis=2) * 0.3 + 178.0).astype(np.uint8)
+    faded = (pixels.colour.sum(axis=2, dtype=np.float32) * np.float32(0.1) + 178.0).astype(np.uint8)
     marked = np.dstack([faded] * 3)
     marked[where] = (255, 0, 255)
     target = picture or Path(tempfile.mkdtemp(prefix="geodem-")) / "unlisted-colour.png"
@@ -307,7 +312,8 @@ def _unlisted_error(
     Image.fromarray(marked).save(target, format="PNG")
     share = f"on {100 * where.mean():.2f} % of its pixels"
     spot = f"near column {int(np.median(columns))}, row {int(np.median(rows))}"
-    if (rgb == colour).all(axis=1).any():
+    # the last one stands for what is transparent, and has no colour
+    if (rgb[:-1] == colour).all(axis=1).any():
         # a wedge that ends: between the colours beside it, it might as well be their blend
         problem = (
             f"the colour {shown} is thinner than a pixel {share} ({spot}), where it cannot be told from a blend of "

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from geodem.builders.image_pixels import Pixels
 
 _HALF_OPAQUE = 128
+_AT_A_TIME = 1_000_000
+"""Pixels that are looked at together: a large picture with them all would fill the memory."""
 
 
 def blended(pixels: Pixels, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -23,15 +25,26 @@ def blended(pixels: Pixels, rows: NDArray[np.int64], columns: NDArray[np.int64])
     return np.concatenate([colour, opacity[..., None]], axis=-1)
 
 
+def as_numbers(colour: NDArray[np.uint8]) -> NDArray[np.int32]:
+    """Each colour (..., 3) as one number, in the order of red, green and blue."""
+    packed = np.zeros(colour.shape[:-1], dtype=np.int32)
+    for channel in range(3):
+        packed = packed * 256 + colour[..., channel]
+    return packed
+
+
+def as_colours(numbers: NDArray[np.int32]) -> NDArray[np.int32]:
+    """The colours (..., 3) of `as_numbers`."""
+    return np.stack([numbers >> 16, (numbers >> 8) & 255, numbers & 255], axis=-1)
+
+
 def nearest(
     pixels: Pixels, rgb: NDArray[np.int64], tolerance: float
 ) -> tuple[NDArray[np.int16], NDArray[np.bool_]]:
     """Nearest listed colour of every pixel (transparent is the last), and whether it is that near."""
-    packed = np.zeros(pixels.opacity.shape, dtype=np.int64)
-    for channel in range(3):
-        packed = packed * 256 + pixels.colour[..., channel]
+    packed = as_numbers(pixels.colour)
     values, inverse = np.unique(packed, return_inverse=True)
-    colours = np.stack([values >> 16, (values >> 8) & 255, values & 255], axis=1)
+    colours = as_colours(values)
     best = np.zeros(len(values), dtype=np.int16)
     distance = np.full(len(values), np.inf)
     for index, listed in enumerate(rgb[:-1]):
@@ -99,11 +112,14 @@ def resolve(
     lossy: bool,
 ) -> NDArray[np.bool_]:
     """Give mixed pixels to the prevailing colour, in place, and return those that no mixture explains."""
+    from scipy import ndimage
+
     leftover = ~decided
     for radius in range(1, reach + 1):
-        rows, columns = np.nonzero(leftover)
+        # only what has a known colour near it can be a mixture
+        rows, columns = np.nonzero(leftover & ndimage.maximum_filter(sure, 2 * radius + 1, mode="nearest"))
         if len(rows) == 0:
-            break
+            continue
         choice, residual, boxed = _best_pair(pixels, rgb, classes, sure, rows, columns, radius)
         # a blend in linear light leaves the straight line, but each channel stays between the two colours
         explained = (residual <= tolerance) | (boxed & (radius == 1 or lossy))
@@ -141,6 +157,24 @@ def _best_pair(
     radius: int,
 ) -> tuple[NDArray[np.int16], NDArray[np.float64], NDArray[np.bool_]]:
     """Of the colours near each pixel the pair that mixes best to it: prevailing one, residual, boxed."""
+    parts = [
+        _best_pair_of(pixels, rgb, classes, sure, rows[k : k + _AT_A_TIME], columns[k : k + _AT_A_TIME], radius)
+        for k in range(0, len(rows), _AT_A_TIME)
+    ]
+    choice, residual, boxed = (np.concatenate(found) for found in zip(*parts, strict=True))
+    return choice, residual, boxed
+
+
+def _best_pair_of(
+    pixels: Pixels,
+    rgb: NDArray[np.int64],
+    classes: NDArray[np.int16],
+    sure: NDArray[np.bool_],
+    rows: NDArray[np.int64],
+    columns: NDArray[np.int64],
+    radius: int,
+) -> tuple[NDArray[np.int16], NDArray[np.float64], NDArray[np.bool_]]:
+    """`_best_pair` of not too many pixels."""
     height, width = sure.shape
     palette = np.c_[rgb.astype(float), np.full(len(rgb), 255.0)]
     palette[-1] = 0.0

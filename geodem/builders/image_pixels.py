@@ -14,7 +14,7 @@ from geodem.errors import InputError
 _FORMATS = ("PNG", "BMP", "JPEG", "GIF", "TIFF", "WEBP")
 # MPO: what pillow calls a JPEG with a second picture inside, as telephones store it
 _LOSSY_FORMATS = ("JPEG", "MPO", "WEBP")
-_LARGEST = 50_000_000
+_LARGEST = 20_000_000
 _SMALLEST_SIDE = 4
 
 

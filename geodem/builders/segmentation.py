@@ -178,8 +178,7 @@ def segment(
 def _grey(source: str | Path | NDArray[np.generic]) -> Floats:
     if isinstance(source, str | Path):
         pixels = read_pixels(Path(source), "segment")
-        # luminance, ITU-R BT.601, as pictures are turned grey commonly
-        return np.asarray(pixels.colour @ np.array([0.299, 0.587, 0.114]) / 255.0)
+        return luminance(pixels.colour, 255.0)
     given = np.asarray(source)
     if given.ndim not in (2, 3) or given.size == 0 or given.dtype.kind not in "uif":
         raise InputError(
@@ -194,6 +193,15 @@ def _grey(source: str | Path | NDArray[np.generic]) -> Floats:
             value=[float(np.nanmin(grey)), float(np.nanmax(grey))],
         )  # fmt: skip
     return np.asarray(grey, dtype=np.float64)
+
+
+def luminance(colour: NDArray[np.generic], full: float) -> Floats:
+    """Brightness 0 to 1 of red, green and blue (..., 3) up to `full`: ITU-R BT.601, as pictures are turned grey commonly."""
+    grey = np.zeros(colour.shape[:-1])
+    # one colour after the other: a large picture as numbers of eight bytes fills the memory
+    for channel, weight in enumerate((0.299, 0.587, 0.114)):
+        grey += weight / full * colour[..., channel]
+    return grey
 
 
 def _filtered(grey: Floats, lighting: float | None, smoothing: float) -> Floats:
@@ -220,7 +228,7 @@ def _thresholds(
         if not 2 <= classes <= MOST_CLASSES:
             raise InputError("segment, classes", f"this is not 2 to {MOST_CLASSES}", "Give 2.", value=classes)
         if classes == 2:
-            return (float(threshold_otsu(grey)),)
+            return (float(threshold_otsu(grey.ravel())),)
         try:
             found = threshold_multiotsu(grey, classes=classes, nbins=LEVELS)
         except ValueError as error:

@@ -16,6 +16,9 @@ from geodem.errors import InputError
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int32]
 
+_MOST_STEPS = 100_000
+"""Points of a line across a terrain."""
+
 
 @dataclass(frozen=True)
 class Layer:
@@ -176,6 +179,11 @@ class Terrain:
         wanted = float(self.spacing.min()) if step is None else step
         if not (np.isfinite(wanted) and wanted > 0.0):
             raise InputError("terrain, step", "this is not a positive number", "Give metres.", value=step)
+        if not lengths.sum() / wanted < _MOST_STEPS:
+            raise InputError(
+                "terrain, step", f"steps of {wanted:.3g} m on a line of {lengths.sum():.3g} m are too many",
+                "Give a larger step, or look whether the spacing of the heights is in metres.", value=step,
+            )  # fmt: skip
         along, places = [np.zeros(1)], [corners[:1]]
         for start, end, length, behind in zip(
             corners[:-1], corners[1:], lengths, np.cumsum(lengths) - lengths, strict=True

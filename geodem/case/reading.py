@@ -125,7 +125,8 @@ def read_slope(head: CaseHead, folder: Path, methods: tuple[str, ...] | None = N
         used += [(place, name) for name in section.materials if name in names]
     elif isinstance(section, TerrainSection) and "layers" not in document["section"]:
         used += [("section.terrain", name) for name in section.materials]
-    if section is not None or not {"mesh", "terrain"} & set(document.get("section") or ()):
+    given = document.get("section")
+    if section is not None or not {"mesh", "terrain"} & set(given if isinstance(given, dict) else ()):
         check_names(findings, used, names, materials)
     if section is not None and spacing is not None:
         check_spacing(findings, section, spacing)

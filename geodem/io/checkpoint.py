@@ -93,10 +93,11 @@ def read_checkpoint(path: Path | str, form: CheckpointFormat = SEARCH) -> Tree:
                 problem = f"checkpoint format {version}, this geodem reads format {form.version}"
                 raise InputError(place, problem, form.again)
             stored = str(file.attrs["checksum"])
-            tree = _read_group(file)
-    except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:
-        if isinstance(error, InputError):
-            raise
+            tree = _read_group(file, path.stat().st_size)
+    except InputError:
+        raise
+    # HDF5 raises whatever it comes upon in a damaged file
+    except Exception as error:
         raise InputError(place, "the checkpoint is damaged or cut off", form.again) from error
     if checksum(tree) != stored:
         raise InputError(
@@ -146,14 +147,25 @@ def _write_group(group: Any, tree: Mapping[str, Any]) -> None:
             text.attrs["json"] = True
 
 
-def _read_group(group: Any) -> Tree:
+def _read_group(group: Any, most: int) -> Tree:
+    """A tree of numbers and text that stand in this file itself, none larger than the file: `most` bytes.
+
+    HDF5 can point to other files and places, hold objects, and promise arrays of any size; nothing here writes such.
+    """
     import h5py
 
     tree: Tree = {}
-    for name, item in group.items():
+    for name in group:
+        if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+            raise ValueError(f"{name} is a link")
+        item = group[name]
         if isinstance(item, h5py.Group):
-            tree[name] = _read_group(item)
-        elif item.attrs.get("json", False):
+            tree[name] = _read_group(item, most)
+            continue
+        own = isinstance(item, h5py.Dataset) and not item.is_virtual and item.external is None
+        if not own or item.dtype.kind not in "biuf" or item.nbytes > most:
+            raise ValueError(f"{name} is no array of numbers")
+        if item.attrs.get("json", False):
             tree[name] = json.loads(item[()].tobytes().decode())
         else:
             tree[name] = item[()]

@@ -182,7 +182,7 @@ class RunFolder:
             return None
         if any(held.get(key) != value for key, value in self._mark().items()):
             return None
-        found: Tree = held["part"]
+        found: Tree | None = held.get("part")
         return found
 
     def _mark(self) -> dict[str, Any]:

@@ -103,7 +103,6 @@ def _pictures(folder: Path) -> Family:
     """Pictures of any size, depth and format, whole and broken, as drawing and as photograph."""
     from geodem.builders.from_image import section_from_image
     from geodem.builders.grid_sources import grid_from_image, read_slices
-    from geodem.builders.image_pixels import read_pixels
     from geodem.builders.segmentation import segment
 
     def read(spec: fuzzing_pictures.Spec) -> None:
@@ -111,7 +110,7 @@ def _pictures(folder: Path) -> Family:
         readers: tuple[Callable[[], object], ...] = (
             lambda: section_from_image(path, scale=0.5, legend=LEGEND, picture=folder / "colours.png"),
             lambda: grid_from_image(path, scale=0.5, legend=LEGEND),
-            lambda: segment(read_pixels(path, "photograph").colour, classes=2),
+            lambda: segment(path, classes=2),
             lambda: read_slices(path),
         )
         readers[spec.reader % len(readers)]()

@@ -13,8 +13,8 @@ from PIL import Image, ImageDraw
 MODES = ("1", "L", "LA", "P", "RGB", "RGBA", "CMYK", "I;16", "I", "F", "YCbCr")
 ENDINGS = {"png": "PNG", "bmp": "BMP", "gif": "GIF", "tif": "TIFF", "jpg": "JPEG", "webp": "WEBP", "ppm": "PPM"}
 SIDES = (1, 2, 3, 4, 5, 7, 16, 40, 120)
-LARGE = ((20_000, 20_000), (65_000, 1), (1, 65_000), (9_000, 5_000))
-"""Sizes beyond what is read, and at its edge."""
+LARGE = ((20_000, 20_000), (65_000, 1), (1, 65_000), (9_000, 5_000), (4_400, 4_400))
+"""Sizes beyond what is read, and large ones that are."""
 
 
 class Spec(NamedTuple):
