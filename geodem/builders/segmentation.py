@@ -210,13 +210,24 @@ def _filtered(grey: Floats, lighting: float | None, smoothing: float) -> Floats:
     if lighting is not None:
         if not (np.isfinite(lighting) and lighting > 0.0):
             raise InputError("segment, lighting", "this is not a positive number", "Give px.", value=lighting)
+        _refuse_beyond(grey, "lighting", lighting)
         light = ndimage.gaussian_filter(grey, lighting, mode="reflect")
         grey = np.clip(grey - light + grey.mean(), 0.0, 1.0)
     if not (np.isfinite(smoothing) and smoothing >= 0.0):
         raise InputError("segment, smoothing", "this is not a number from 0", "Give px.", value=smoothing)
+    _refuse_beyond(grey, "smoothing", smoothing)
     if smoothing > 0.0:
         grey = ndimage.gaussian_filter(grey, smoothing, mode="nearest")
     return grey
+
+
+def _refuse_beyond(grey: NDArray[np.generic], key: str, pixels: float) -> None:
+    """A distance is one within the picture."""
+    if pixels > max(grey.shape):
+        raise InputError(
+            f"segment, {key}", f"this is more than the {max(grey.shape)} px of the picture", "Give fewer px.",
+            value=pixels,
+        )  # fmt: skip
 
 
 def _thresholds(
@@ -287,6 +298,7 @@ def _grains(labels: NDArray[np.int16], number: int | None, apart: float | None, 
 
         if not (np.isfinite(apart) and apart >= 1.0):
             raise InputError("segment, apart", "this is not a number from 1", "Give px.", value=apart)
+        _refuse_beyond(labels, "apart", apart)
         # smoothed, so that a rough edge does not make two middles of one
         depth = ndimage.gaussian_filter(ndimage.distance_transform_edt(mask), 0.15 * apart)
         peaks = peak_local_max(
