@@ -21,12 +21,12 @@ from .builders.section import Section
 from .building import case_identity, make_model, make_particles, make_section
 from .case import Case
 from .errors import InputError, StoppedError
-from .io.checkpoint import read_checkpoint, write_checkpoint
+from .io.checkpoint import SEARCH, read_checkpoint, write_checkpoint
 from .laws import GROUND_LAWS
 from .measure.failing_zone import FailingZone, failing_zone
 from .model import Model
 from .provenance import sources_digest
-from .record import MethodRecord
+from .record import MethodRecord, write_trials
 from .simulation import Simulation
 from .stability.bracket import bracket
 from .stability.criteria import Criteria
@@ -284,8 +284,10 @@ class Analysis:
 
     def _on_coarse_batch(self, search: Search) -> None:
         self._tell(search)
-        if self.stop_asked():
-            self.save()
+        stop = self.stop_asked()
+        if stop or time.perf_counter() - self._saved > CHECKPOINT_SECONDS:
+            self.save(search)
+        if stop:
             raise StoppedError("stopped on the coarse model")
 
     def _tell(self, search: Search) -> None:
@@ -302,11 +304,15 @@ class Analysis:
 
     # --- checkpoints --------------------------------------------------------------------------------------------
 
-    def save(self) -> None:
-        """Write the checkpoint (nothing without a folder)."""
+    def save(self, under_way: Search | None = None) -> None:
+        """Write the checkpoint and the history so far (nothing without a folder).
+
+        `under_way`: a search on a coarse model, which a resumed run begins again.
+        """
         if self.folder is None or self.particles is None:
             return
         write_checkpoint(self.folder / "checkpoint.h5", self.to_tree())
+        write_trials(self.folder / "history.csv", self.records.values(), under_way)
         self._saved = time.perf_counter()
 
     def to_tree(self) -> dict[str, Any]:
@@ -348,6 +354,14 @@ class Analysis:
         """
         path = folder / "checkpoint.h5"
         tree = read_checkpoint(path)
+        try:
+            return cls._from_tree(case, folder, tree, options)
+        except (KeyError, TypeError, AttributeError, IndexError) as error:
+            raise InputError(str(path), f"the checkpoint lacks a part ({error})", SEARCH.again) from error
+
+    @classmethod
+    def _from_tree(cls, case: Case, folder: Path, tree: dict[str, Any], options: dict[str, Any]) -> Analysis:
+        path = folder / "checkpoint.h5"
         if tree["geodem"] != __version__ or tree["sources"] != sources_digest():
             raise InputError(
                 str(path),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-
 LONGEST = 600
 """Of each part of a message [characters]."""
 

@@ -159,12 +159,8 @@ def _write(ground: Ground, run: RunFolder, facts: dict[str, Any]) -> dict[str, A
     run.write_case()
     try:
         save_filling(ground.filling, out / FILLING)
-    except BaseException as error:
-        for draft in out.glob(f".{Path(FILLING).stem}.*.npz"):
-            draft.unlink()
-        if isinstance(error, OSError):
-            raise cannot_write(out / FILLING, error) from error
-        raise
+    except OSError as error:
+        raise cannot_write(out / FILLING, error) from error
     filling = ground.filling
     densities = {row["name"]: row["density_kg_m3"] for row in ground.result["materials"]}
     write_particles(out / PARTICLES, filling, filling.density(densities))

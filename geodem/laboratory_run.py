@@ -93,12 +93,28 @@ def run_laboratory(
         return result
 
     with run.going(assemble(case, []) | facts, partial):
-        with Workers(count, out / "tests", watch=watch, stop_asked=stop_asked) as workers:
+        growing = _growing_history(orders, out, watch)
+        with Workers(count, out / "tests", watch=growing, stop_asked=stop_asked) as workers:
             workers.run(orders)
         tests = _finished(orders, out)
         result = run.whole(assemble(case, tests) | facts)
         draw_laboratory(out, result, tests, run.case_text)
         return run.finish(result)
+
+
+def _growing_history(orders: Sequence[TestOrder], folder: Path, watch: Watch | None) -> Watch:
+    """A watch that writes history.csv anew with every test that ends, and passes on what it is told."""
+    lines = {test.order.name: history_line(test) for test in _finished(orders, folder)}
+
+    def told(overview: Overview) -> None:
+        if overview.last is not None:
+            lines[overview.last.order.name] = history_line(overview.last)
+            known = [lines[order.name] for order in orders if order.name in lines]
+            write_history(folder / "history.csv", HISTORY_COLUMNS, known)
+        if watch is not None:
+            watch(overview)
+
+    return told
 
 
 def resume_laboratory(folder: Path, case: LaboratoryCase, **options: Any) -> dict[str, Any]:

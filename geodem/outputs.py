@@ -14,27 +14,17 @@ from .builders.ground import downhill
 from .building import portable_text, source_bytes
 from .case import ImageSection
 from .io.files import write_json, write_whole
-from .io.history import write_history
 from .io.vtkhdf import write_vtkhdf
 from .measure.failure import Failure, describe_failure
 from .plotting.report import write_report
 from .plotting.views import MethodView, ReportView
-from .record import MethodRecord
+from .record import MethodRecord, write_trials
 from .result import assemble
 from .stability.bracket import bracket
 from .stability.search import Snapshot
 from .units import show
 
 Floats = NDArray[np.float64]
-
-HISTORY_COLUMNS = (
-    "method [-]",
-    "model [-]",
-    "factor [-]",
-    "step [-]",
-    "unbalanced force ratio [-]",
-    "displacement of what moves [m]",
-)
 
 
 def write_case(analysis: Analysis, folder: Path) -> None:
@@ -46,17 +36,6 @@ def write_case(analysis: Analysis, folder: Path) -> None:
         if not copy.exists() or copy.read_bytes() != content:
             write_whole(copy, content)
     write_whole(folder / "case.toml", portable_text(analysis.case))
-
-
-def write_trials(analysis: Analysis, folder: Path) -> None:
-    """history.csv: every trial's unbalanced force and displacement, batch by batch."""
-    records = (
-        (kind, trial.model, trial.factor, *entry)
-        for kind, record in analysis.records.items()
-        for trial in (*record.coarse, *record.fine)
-        for entry in trial.history
-    )
-    write_history(folder / "history.csv", HISTORY_COLUMNS, records)
 
 
 def write_outputs(
@@ -93,7 +72,7 @@ def write_outputs(
                 "slip_surface_m": failure.slip_surface.tolist(),
                 "largest_displacement_m": float(np.sqrt((failure.displacement**2).sum(axis=1)).max()),
             }
-    write_trials(analysis, folder)
+    write_trials(folder / "history.csv", analysis.records.values())
     draw_outputs(analysis, folder, result, failures)
     # last, so that a result that says "done" has everything beside it
     return write_json(folder / "result.json", result)

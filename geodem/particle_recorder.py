@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from .errors import InputError, StoppedError
+from .io.files import remove_unfinished
 from .io.history import HistoryWriter, cut_history
 from .io.particle_checkpoint import checkpoint_step
 from .io.particle_frames import remove_later_frames, write_frame
@@ -152,6 +153,7 @@ class Recorder:
     def _wind_back(self) -> None:
         """Drop what was recorded after the checkpoint: it will be recorded again."""
         step = self.simulation.steps
+        remove_unfinished(self.folder)
         if self.checkpoint.is_file() and checkpoint_step(self.checkpoint) > step:
             raise InputError(
                 str(self.checkpoint),

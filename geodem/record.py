@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
+from .io.history import write_history
 from .measure.energy import EnergyAccount
 from .stability.bracket import Trial
-from .stability.search import Snapshot
+from .stability.search import Search, Snapshot
 from .state import FIELDS, State
+
+HISTORY_COLUMNS = (
+    "method [-]",
+    "model [-]",
+    "factor [-]",
+    "step [-]",
+    "unbalanced force ratio [-]",
+    "displacement of what moves [m]",
+)
 
 
 @dataclass
@@ -73,6 +84,42 @@ class MethodRecord:
             done=tree["done"],
             **snapshots,
         )
+
+
+def write_trials(path: Path, records: Iterable[MethodRecord], under_way: Search | None = None) -> None:
+    """history.csv: every trial's unbalanced force and displacement, batch by batch.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+    records : iterable of MethodRecord
+    under_way : Search, optional
+        One on a coarse model, whose trials are not in its record yet.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    write_history(path, HISTORY_COLUMNS, _lines(records, under_way))
+
+
+def _lines(records: Iterable[MethodRecord], under_way: Search | None) -> Iterator[tuple[object, ...]]:
+    for record in records:
+        for trial in (*record.coarse, *record.fine):
+            for entry in trial.history:
+                yield (record.kind, trial.model, trial.factor, *entry)
+        if record.current is not None:
+            for entry in record.history:
+                yield (record.kind, "fine", record.current, *entry)
+    if under_way is None:
+        return
+    for trial in under_way.trials:
+        for entry in trial.history:
+            yield (under_way.method.kind, trial.model, trial.factor, *entry)
+    if under_way.current is not None:
+        for entry in under_way.history:
+            yield (under_way.method.kind, under_way.model, under_way.current, *entry)
 
 
 def _trial(data: Mapping[str, Any]) -> Trial:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 
@@ -27,15 +29,32 @@ def save_filling(filling: BodyFilling, path: str | Path) -> Path:
     ------
     InputError
         The name does not end in .npz, or its folder does not exist.
+    OSError
+        The file cannot be written; what stood there is untouched.
     """
     target = Path(path)
     if target.suffix != ".npz" or not target.parent.is_dir():
         raise InputError(
             "save_filling", "this is no .npz file in a folder that exists", "Mend the path.", value=str(path)
         )
-    draft = target.with_name(f".{target.stem}.{os.getpid()}.npz")
+    # as every unfinished file of a run is called, so that one that is left is known and taken away
+    draft = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        with draft.open("wb") as stream:
+            _write(stream, filling)
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.replace(draft, target)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            draft.unlink(missing_ok=True)
+        raise
+    return target
+
+
+def _write(stream: IO[bytes], filling: BodyFilling) -> None:
     np.savez_compressed(
-        draft,
+        stream,
         kind=np.array(KIND),
         format=np.array(FORMAT),
         positions=filling.positions,
@@ -48,8 +67,6 @@ def save_filling(filling: BodyFilling, path: str | Path) -> Path:
         group=filling.group,
         remarks=np.array(filling.remarks, dtype=np.str_),
     )
-    os.replace(draft, target)
-    return target
 
 
 def load_filling(path: str | Path) -> BodyFilling:

@@ -158,7 +158,9 @@ def _best_pair(
 ) -> tuple[NDArray[np.int16], NDArray[np.float64], NDArray[np.bool_]]:
     """Of the colours near each pixel the pair that mixes best to it: prevailing one, residual, boxed."""
     parts = [
-        _best_pair_of(pixels, rgb, classes, sure, rows[k : k + _AT_A_TIME], columns[k : k + _AT_A_TIME], radius)
+        _best_pair_of(
+            pixels, rgb, classes, sure, rows[k : k + _AT_A_TIME], columns[k : k + _AT_A_TIME], radius
+        )
         for k in range(0, len(rows), _AT_A_TIME)
     ]
     choice, residual, boxed = (np.concatenate(found) for found in zip(*parts, strict=True))

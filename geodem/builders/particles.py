@@ -326,7 +326,7 @@ def _check_options(
 
 
 def _check_refined(task: FillTask, count: int | None) -> None:
-    """Refuse refined places that need far more particles than are given, or than the memory holds, before they are made."""
+    """Refuse refined places that need far more particles than are given or fit the memory, before any is made."""
     import shapely
 
     lines = shapely.union_all([part.polygon.boundary for part in task.section.regions])

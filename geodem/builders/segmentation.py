@@ -196,7 +196,7 @@ def _grey(source: str | Path | NDArray[np.generic]) -> Floats:
 
 
 def luminance(colour: NDArray[np.generic], full: float) -> Floats:
-    """Brightness 0 to 1 of red, green and blue (..., 3) up to `full`: ITU-R BT.601, as pictures are turned grey commonly."""
+    """Brightness 0 to 1 of red, green and blue (..., 3) up to `full`, as of ITU-R BT.601."""
     grey = np.zeros(colour.shape[:-1])
     # one colour after the other: a large picture as numbers of eight bytes fills the memory
     for channel, weight in enumerate((0.299, 0.587, 0.114)):

@@ -66,9 +66,7 @@ def read_terrain(
         raise
     # NumPy, zipfile and tifffile raise what they come upon in a broken file, each its own sort
     except Exception as error:
-        raise InputError(
-            place, f"the file is damaged ({error})", "Save it again.", value=str(path)
-        ) from None
+        raise InputError(place, f"the file is damaged ({error})", "Save it again.", value=str(path)) from None
     return terrain_from(
         heights, origin, spacing, degrees=geographic if degrees is None else degrees, holes=holes, place=place
     )

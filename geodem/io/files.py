@@ -107,8 +107,8 @@ def _remove(part: Path) -> None:
 
 
 def remove_unfinished(folder: Path) -> None:
-    """Take away the parts of files that a process which no longer runs left unfinished."""
-    for part in folder.glob(".*.part"):
+    """Take away the parts of files that a process which no longer runs left unfinished, in folders below as well."""
+    for part in folder.rglob(".*.part"):
         owner = part.name.split(".")[-2]
         if owner.isdigit() and not _runs(int(owner)):
             _remove(part)

@@ -1,6 +1,7 @@
-"""Spoilt input of every kind: cases, pictures, meshes, terrains, materials, checkpoints; each is used or refused in words.
+"""Spoilt cases, pictures, meshes, terrains, materials and checkpoints: each is used, or refused in words.
 
-Every family runs in a process of its own, whose memory is limited, with inputs that hypothesis makes from a seed.
+Every family runs in a process of its own, whose memory is limited,
+with inputs that hypothesis makes from a seed.
 """
 
 from __future__ import annotations
@@ -33,7 +34,9 @@ def run() -> Sequence[Row]:
         rows += _rows(family, count, *_apart(family, count, SEED))
     tried = int(sum(row.value for row in rows if row.quantity == "inputs tried"))
     whole = [row for row in rows if row.quantity.startswith("taken otherwise")]
-    rows.append(Row("all", "inputs tried", tried, 10_000, min(tried / 10_000 - 1.0, 0.0), 0.0, 0.0, "asked for"))
+    rows.append(
+        Row("all", "inputs tried", tried, 10_000, min(tried / 10_000 - 1.0, 0.0), 0.0, 0.0, "asked for")
+    )
     rows.append(_none("all", "taken otherwise than in use or words", sum(row.value for row in whole), 0.0))
     return rows
 
@@ -41,9 +44,10 @@ def run() -> Sequence[Row]:
 def _rows(family: str, count: int, told: dict[str, float], findings: list[str], seconds: float) -> list[Row]:
     for finding in findings:
         print(finding)
+    tried = told.get("cases", 0)
     source = f"seed {SEED}; {int(told.get('refused', 0))} refused in words"
     return [
-        Row(family, "inputs tried", told.get("cases", 0), count, told.get("cases", 0) / count - 1.0, 0.05, seconds, source),
+        Row(family, "inputs tried", tried, count, tried / count - 1.0, 0.05, seconds, source),
         _none(family, "taken otherwise than in use or words", len(findings), seconds),
         at_most(family, "slowest input [s]", told.get("slowest", SECONDS), SECONDS, seconds, "stated"),
         at_most(family, "growth of resident memory [MB]", told.get("memory", 0.0) / 1e6, MEMORY / 1e6, seconds,

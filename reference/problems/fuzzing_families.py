@@ -34,7 +34,11 @@ def fuzz(judge: Judge, folder: Path, count: int, number: int) -> None:
 
     @seed(number)
     @settings(
-        max_examples=count, database=None, deadline=None, phases=[Phase.generate], suppress_health_check=list(HealthCheck)
+        max_examples=count,
+        database=None,
+        deadline=None,
+        phases=[Phase.generate],
+        suppress_health_check=list(HealthCheck),
     )
     @given(inputs)
     def one(given_input: Any) -> None:
@@ -124,7 +128,9 @@ def _meshes(folder: Path) -> Family:
     from geodem.builders.grid_sources import grid_from_vtk
     from geodem.builders.mesh_reading import read_mesh
 
-    names = sorted(p.name for p in folder.iterdir() if p.stem.rstrip("4") in ("section", "box", "box-binary", "scan"))
+    names = sorted(
+        p.name for p in folder.iterdir() if p.stem.rstrip("4") in ("section", "box", "box-binary", "scan")
+    )
     names = [name for name in names if not name.endswith(".png")]
     seeds = {name: (folder / name).read_bytes() for name in names}
 
@@ -143,7 +149,9 @@ def _meshes(folder: Path) -> Family:
                 particles_from_mesh(mesh)
                 section_from_mesh(mesh)
 
-    pairs = [st.tuples(st.just(name), fuzzing_cases.spoilt_text([content])) for name, content in seeds.items()]
+    pairs = [
+        st.tuples(st.just(name), fuzzing_cases.spoilt_text([content])) for name, content in seeds.items()
+    ]
     return st.one_of(pairs), read
 
 
@@ -160,13 +168,20 @@ def _terrains(folder: Path) -> Family:
         terrain = read_terrain(path, holes="fill")
         terrain.section_along([(2.0, 10.0), (38.0, 12.0)], base=0.0, layers=[Layer("soil", np.inf)])
 
-    pairs = [st.tuples(st.just(name), fuzzing_cases.spoilt_text([content])) for name, content in seeds.items()]
-    return st.one_of([*pairs, fuzzing_pictures.ARCHIVES.map(lambda held: ("x.npz", fuzzing_pictures.archive(held)))]), read
+    pairs = [
+        st.tuples(st.just(name), fuzzing_cases.spoilt_text([content])) for name, content in seeds.items()
+    ]
+    return st.one_of(
+        [*pairs, fuzzing_pictures.ARCHIVES.map(lambda held: ("x.npz", fuzzing_pictures.archive(held)))]
+    ), read
 
 
 def _checkpoints(folder: Path) -> Family:
     """Bytes of checkpoints: read as they were written, or refused."""
-    tree = {"state": {"positions": np.arange(60.0).reshape(-1, 2), "numbers": {"steps": 7}}, "names": ["a", "b"]}
+    tree = {
+        "state": {"positions": np.arange(60.0).reshape(-1, 2), "numbers": {"steps": 7}},
+        "names": ["a", "b"],
+    }
     written = checksum(tree)
     path = folder / "checkpoint.h5"
     seeds = []
@@ -205,7 +220,15 @@ def _results(folder: Path) -> Family:
     run = RunFolder(folder, 'workflow = "slope"\n', "identity")
     run.claim()
     run.finish({"workflow": "slope", "title": "x", "factors": [{"value": 1.2}]})
-    seeds = [(folder / "result.json").read_bytes(), b"[" * 100_000, b"[]", b"7", b'"a"', b'[["a", 1]]', b"null"]
+    seeds = [
+        (folder / "result.json").read_bytes(),
+        b"[" * 100_000,
+        b"[]",
+        b"7",
+        b'"a"',
+        b'[["a", 1]]',
+        b"null",
+    ]
 
     def read(content: bytes) -> None:
         (folder / "result.json").write_bytes(content)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 from pathlib import Path
 
 import numpy as np
@@ -40,7 +42,16 @@ title = "Ground"
 [particles]
 particles = 200
 """
-_CORNERS = [(0.0, 0.0), (20.0, 0.0), (30.0, 0.0), (30.0, 10.0), (20.0, 10.0), (8.0, 4.0), (0.0, 4.0), (20.0, 4.0)]
+_CORNERS = [
+    (0.0, 0.0),
+    (20.0, 0.0),
+    (30.0, 0.0),
+    (30.0, 10.0),
+    (20.0, 10.0),
+    (8.0, 4.0),
+    (0.0, 4.0),
+    (20.0, 4.0),
+]
 _TRIANGLES = [(0, 1, 6), (1, 7, 5), (1, 5, 6), (1, 2, 7), (2, 3, 7), (3, 4, 7), (4, 5, 7)]
 _BOX = [(x, y, z) for z in (0.0, 4.0) for y in (0.0, 3.0) for x in (0.0, 5.0)]
 _BOX_FACES = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 4, 6),
@@ -61,7 +72,7 @@ friction_coefficient = 0.7
 
 
 def write_sources(folder: Path) -> None:
-    """section.png, slices/, heights.asc/.npz/.tif, section.* and box.* in every format of meshes, scan.vti, rock.toml."""
+    """section.png, slices/, heights.*, section.* and box.* in every format of meshes, scan.vti, rock.toml."""
     folder.mkdir(parents=True, exist_ok=True)
     picture = Image.new("RGB", (60, 30), "#8c6d31")
     pen = ImageDraw.Draw(picture)
@@ -73,7 +84,9 @@ def write_sources(folder: Path) -> None:
         picture.save(folder / "slices" / f"slice-{number}.png")
     (folder / "rock.toml").write_text(MATERIAL)
     _write_terrains(folder)
-    _write_meshes(folder)
+    # meshio calls text files fit for debugging only
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        _write_meshes(folder)
 
 
 def cases(templates: Path, workflows: Path) -> list[tuple[str, Path | None]]:
@@ -98,8 +111,13 @@ def cases(templates: Path, workflows: Path) -> list[tuple[str, Path | None]]:
         found.append((text + "".join(SOIL.replace("{name}", name) for name in names), None))
     legend = 'legend = {"#8c6d31" = "soil", "#d62728" = "seam"}\nbackground = ["#ffffff"]'
     sources = {
-        ("soil", "seam"): f'slices = "slices"\nvoxel = ["1 m", "1 m", "2 m"]\n{legend}\norigin = ["0 m", "1 m", "2 m"]',
-        ("dark",): 'photograph = "section.png"\nscale = "1 m/px"\nmaterials = ["dark", "none"]\nthresholds = [0.7]\n'
+        (
+            "soil",
+            "seam",
+        ): f'slices = "slices"\nvoxel = ["1 m", "1 m", "2 m"]\n{legend}\norigin = ["0 m", "1 m", "2 m"]',
+        (
+            "dark",
+        ): 'photograph = "section.png"\nscale = "1 m/px"\nmaterials = ["dark", "none"]\nthresholds = [0.7]\n'
         'smoothing = 0.5\nlighting = 40\nsmallest = 3\ngrains = "dark"\napart = 5',
         ("ore",): 'grid = "scan.vti"\nthresholds = [0.5]\nmaterials = ["none", "ore"]\nscalars = "value"',
         ("block",): 'solids = {block = "box.stl"}\nlength_unit = "m"',
@@ -131,7 +149,9 @@ def _write_terrains(folder: Path) -> None:
     heights = 20.0 + 0.2 * x[:, None] + np.sin(0.3 * y)
     rows = heights.T[::-1]
     head = f"ncols {len(x)}\nnrows {len(y)}\nxllcenter 0\nyllcenter 0\ncellsize 4\nNODATA_value -9999\n"
-    (folder / "heights.asc").write_text(head + "\n".join(" ".join(f"{h:.3f}" for h in row) for row in rows) + "\n")
+    (folder / "heights.asc").write_text(
+        head + "\n".join(" ".join(f"{h:.3f}" for h in row) for row in rows) + "\n"
+    )
     np.savez(folder / "heights.npz", x=x, y=y, z=heights)
     tags = [(33550, "d", 3, (4.0, 4.0, 0.0)), (33922, "d", 6, (0.0, 0.0, 0.0, 0.0, 34.0, 0.0))]
     tifffile.imwrite(folder / "heights.tif", rows.astype(np.float32), extratags=tags)

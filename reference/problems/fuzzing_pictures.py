@@ -11,7 +11,15 @@ from hypothesis import strategies as st
 from PIL import Image, ImageDraw
 
 MODES = ("1", "L", "LA", "P", "RGB", "RGBA", "CMYK", "I;16", "I", "F", "YCbCr")
-ENDINGS = {"png": "PNG", "bmp": "BMP", "gif": "GIF", "tif": "TIFF", "jpg": "JPEG", "webp": "WEBP", "ppm": "PPM"}
+ENDINGS = {
+    "png": "PNG",
+    "bmp": "BMP",
+    "gif": "GIF",
+    "tif": "TIFF",
+    "jpg": "JPEG",
+    "webp": "WEBP",
+    "ppm": "PPM",
+}
 SIDES = (1, 2, 3, 4, 5, 7, 16, 40, 120)
 LARGE = ((20_000, 20_000), (65_000, 1), (1, 65_000), (9_000, 5_000), (4_400, 4_400))
 """Sizes beyond what is read, and large ones that are."""
@@ -31,11 +39,14 @@ class Spec(NamedTuple):
 
 
 _SIZES = st.one_of(
-    st.tuples(st.sampled_from(SIDES), st.sampled_from(SIDES)), st.tuples(st.integers(1, 90), st.integers(1, 90)),
+    st.tuples(st.sampled_from(SIDES), st.sampled_from(SIDES)), st.tuples(st.integers(1, 90), st.integers(1,
+    90)),
 )  # fmt: skip
 SPECS = st.builds(
-    Spec, st.sampled_from(MODES), st.sampled_from(tuple(ENDINGS)), _SIZES, st.integers(0, 5), st.integers(0, 10**6),
-    st.sampled_from(("none", "none", "cut", "flip", "bytes", "ending", "large")), st.integers(0, 10**7), st.integers(0, 3),
+    Spec, st.sampled_from(MODES), st.sampled_from(tuple(ENDINGS)), _SIZES, st.integers(0, 5),
+    st.integers(0, 10**6),
+    st.sampled_from(("none", "none", "cut", "flip", "bytes", "ending", "large")), st.integers(0, 10**7),
+    st.integers(0, 3),
 )  # fmt: skip
 
 
@@ -89,21 +100,29 @@ def _draw(spec: Spec) -> Image.Image:
     elif spec.drawing == 4:
         pen.line([0, 0, columns, rows], fill="#d62728ff", width=1 + spec.seed % 4)
     if spec.mode in ("I;16", "I", "F"):
-        grey = np.asarray(picture.convert("L")).astype(float) * {"I;16": 257.0, "I": 5e4, "F": 1e-3}[spec.mode]
+        grey = (
+            np.asarray(picture.convert("L")).astype(float) * {"I;16": 257.0, "I": 5e4, "F": 1e-3}[spec.mode]
+        )
         if spec.mode == "F" and spec.seed % 3 == 0:
             grey[0, 0] = (np.nan, np.inf, -1e30)[spec.at % 3]
         kind = {"I;16": np.uint16, "I": np.int32, "F": np.float32}[spec.mode]
         return Image.fromarray(grey.astype(kind))
     if spec.mode == "P":
         return picture.convert("RGB").quantize(max(2, spec.seed % 8))
-    return picture.convert("RGB").convert(spec.mode) if spec.mode in ("CMYK", "YCbCr") else picture.convert(spec.mode)
+    return (
+        picture.convert("RGB").convert(spec.mode)
+        if spec.mode in ("CMYK", "YCbCr")
+        else picture.convert(spec.mode)
+    )
 
 
 _SHAPES = ((), (1,), (2,), (3,), (2, 2), (3, 2), (4, 5), (2, 2, 2), (0,), (0, 3))
 _KINDS = ("f8", "f4", "i8", "u1", "c16", "U3", "?", "M8[s]", "S2")
 _NAMES = ("x", "y", "z", "elevation", "dx", "dy", "xmin", "ymin", "xmax", "a")
 ARCHIVES = st.dictionaries(
-    st.sampled_from(_NAMES), st.tuples(st.sampled_from(_SHAPES), st.sampled_from(_KINDS), st.integers(0, 5)), max_size=6
+    st.sampled_from(_NAMES),
+    st.tuples(st.sampled_from(_SHAPES), st.sampled_from(_KINDS), st.integers(0, 5)),
+    max_size=6,
 )
 """What an archive holds: shape, kind and sort of the values of each name."""
 
