@@ -294,6 +294,7 @@ BAD = [
     ('material = "soil", poly', 'stuff = "soil", poly', "section.regions[0].material", "material ="),
     ('material = "soil", poly', "material = 3, poly", "section.regions[0].material", "Name a material"),
     ("[40,0]", '["40 m",0]', "section.regions[0].polygon[1][0]", "bare number in m"),
+    ("[section]", "section = 3\n[sections]", "section", "[section] with"),
     ("[40,0]", "[40,0,0]", "section.regions[0].polygon[1]", "[x, y]"),
     ("[40,0]", "40", "section.regions[0].polygon[1]", "[x, y]"),
     ("[40,0]", "[nan,0]", "section.regions[0].polygon[1][0]", "bare number in m"),

@@ -176,16 +176,21 @@ def test_stopped_and_resumed_gives_the_same_bits(tmp_path):
     case = load_any(write_case(tmp_path, TENSION))
     whole = run_laboratory(case, tmp_path / "whole", threads=2)
     folder = tmp_path / "stopped"
-    finished = []
+    finished: list = []
+    grown: list[int] = []
 
     def watch(overview: Overview) -> None:
         if overview.last is not None:
             finished.append(overview.last)
+            grown.append(len(read_history(folder / "history.csv")["test [-]"]))
 
     with pytest.raises(StoppedError):
         run_laboratory(case, folder, threads=2, watch=watch, stop_asked=lambda: len(finished) > 1)
     stopped = result_of(folder)
     assert stopped["status"] == "stopped"
+    # the history has grown with every test
+    assert grown == sorted(grown)
+    assert grown[-1] >= 2
     assert (folder / "report.html").is_file()
     kept = sorted((folder / "tests").glob("*.h5"))
     assert 2 <= len(kept) < 6

@@ -224,3 +224,12 @@ def test_outside_the_main_thread(whole, tmp_path):
     thread.start()
     thread.join()
     is_whole(tmp_path, whole)
+
+
+def test_what_a_killed_run_left_unfinished_is_taken_away(whole, tmp_path):
+    folder = tmp_path / "copy"
+    shutil.copytree(whole[1], folder)
+    # no process has this number: the system gives none above 2^22
+    (folder / ".particles.vtkhdf.series.99999999.part").write_text("half")
+    record(folder)
+    is_whole(folder, whole)

@@ -18,7 +18,7 @@ from geodem import cli
 from geodem.analysis import Analysis, Update
 from geodem.case import load_case
 from geodem.errors import InputError, StoppedError
-from geodem.io.checkpoint import read_checkpoint
+from geodem.io.checkpoint import read_checkpoint, write_checkpoint
 from geodem.io.history import read_history
 from geodem.result import assemble
 from geodem.workflow import run_case
@@ -241,6 +241,35 @@ def test_interrupted_by_the_user(case, whole, tmp_path):
     assert result_of(out)["digest"] == result_of(whole)["digest"]
     assert result_of(out)["notices"] == result_of(whole)["notices"]
     assert result_of(out)["wall_time_s"] > stopped["wall_time_s"]
+
+
+def test_the_history_grows_while_it_runs(case, whole, tmp_path, monkeypatch):
+    """What a killed run leaves is the beginning of what is there in the end, and of the trial under way."""
+    monkeypatch.setattr("geodem.analysis.CHECKPOINT_SECONDS", 0.0)
+    lengths = []
+
+    def watch(update: Update) -> None:
+        if update.progress is not None and (tmp_path / "history.csv").exists():
+            lengths.append(len(read_history(tmp_path / "history.csv")["step [-]"]))
+
+    analysis = begin(case, tmp_path, watch=watch, stop_asked=after(60))
+    with pytest.raises(StoppedError):
+        analysis.search()
+    assert lengths == sorted(lengths)
+    # a line of the look before is there at each
+    assert lengths[-1] >= 58
+    steps = read_history(tmp_path / "history.csv")["step [-]"]
+    assert steps.tolist() == read_history(whole / "history.csv")["step [-]"][: len(steps)].tolist()
+
+
+def test_a_checkpoint_that_lacks_a_part_is_refused(folder, capsys):
+    """One that was made by hand, with a checksum that fits."""
+    tree = read_checkpoint(folder / "checkpoint.h5")
+    del tree["methods"]
+    write_checkpoint(folder / "checkpoint.h5", tree)
+    (folder / "result.json").unlink()
+    assert call("resume", folder)[0] == 2
+    assert "the checkpoint lacks a part ('methods')" in " ".join(capsys.readouterr().err.split())
 
 
 def test_stopped_before_anything_is_known(case, tmp_path):

@@ -7,6 +7,7 @@ Photographs and other grey pictures are cut into classes by `geodem.builders.seg
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -238,7 +239,14 @@ def grid_from_vtk(
         raise InputError("grid", "there is no such file", "Mend the path.", value=shown)
     if source.suffix.lower() not in (".vti", ".vtk"):
         raise InputError("grid", "this is no .vti or .vtk file", "Give image data.", value=shown)
-    image = pyvista.read(source)
+    try:
+        # VTK prints what it makes of a broken file and goes on with nothing; pyvista warns
+        with warnings.catch_warnings(), pyvista.VtkErrorCatcher(raise_errors=True, send_to_logging=False):
+            warnings.simplefilter("error")
+            image = pyvista.read(source)
+    except Exception as error:
+        why = " ".join(str(error).split())[:200]
+        raise InputError("grid", f"the file is damaged ({why})", "Save it again.", value=shown) from None
     if not isinstance(image, pyvista.ImageData):
         raise InputError(
             "grid", f"the file holds {type(image).__name__}, not image data", "Resample it to a grid.",

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from geodem.builders.geo_script import refuse_commands
 from geodem.builders.gmsh_elements import drawn_size, size_remarks, take_elements
 from geodem.builders.mesh_source import MeshSource, ungrouped
 from geodem.errors import InputError
@@ -119,9 +120,11 @@ def read_with_gmsh(path: Path, size: float | None, names: Mapping[int, str] | No
     InputError
         gmsh is missing or cannot read or mesh the file, bodies overlap, or it is open what is of which material.
     """
+    step = path.suffix.lower() in STEP
+    if not step:
+        refuse_commands(path)
     with gmsh_session(path) as gmsh:
         try:
-            step = path.suffix.lower() in STEP
             if step:
                 with silence():
                     gmsh.model.occ.importShapes(str(path), highestDimOnly=True)

@@ -67,7 +67,7 @@ def test_one_pixel(tmp_path):
 
 def test_too_large(tmp_path):
     Image.new("1", (10_000, 6_000)).save(tmp_path / "large.png")
-    with pytest.raises(InputError, match="10000 x 6000 pixels, more than 50000000"):
+    with pytest.raises(InputError, match="10000 x 6000 pixels, more than 20000000"):
         section_from_image(tmp_path / "large.png", scale=1.0, legend=LEGEND)
 
 
@@ -153,3 +153,10 @@ def test_bad_legend(slope):
         label_image(slope, legend=LEGEND, background=["#ff"])
     with pytest.raises(InputError, match="stands twice, as #FFF and #ffffff"):
         label_image(slope, legend={**LEGEND, "#FFF": "snow"}, background=["#ffffff"])
+
+
+def test_black_that_is_not_listed_is_told_as_what_it_is(tmp_path):
+    """Black is the number of what is transparent, and no listed colour."""
+    Image.new("RGB", (60, 40), "#000000").save(tmp_path / "black.png")
+    with pytest.raises(InputError, match=r"shows the colour #000000, which is not listed, on 100\.00 %"):
+        section_from_image(tmp_path / "black.png", scale=1.0, legend=LEGEND, picture=tmp_path / "shown.png")

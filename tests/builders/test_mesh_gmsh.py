@@ -201,3 +201,29 @@ def test_what_flat_sides_leave_out_is_told(tmp_path):
     share = float(re.search(r"([+-][\d.]+) %", lost[0]).group(1))
     assert share == pytest.approx(100.0 * (mesh.sizes[0] / (2.0 * math.pi) - 1.0), abs=0.01)
     assert share < -0.5
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        'SystemCall "touch {place}";', 'NonBlockingSystemCall "touch {place}";', 'System "touch {place}";',
+        'Printf("x") > "{place}";', 'Save "{place}";', 'CreateDir "{place}";', "Exit;", "Abort;", "Sleep 100;",
+        'OnelabRun("a", "touch {place}");', 'Merge Sprintf("{place}");',
+    ],
+)  # fmt: skip
+def test_a_script_that_does_more_than_draw_is_refused(line, tmp_path):
+    """A .geo file is a program in gmsh's language, which can start others and write files."""
+    place = tmp_path / "written"
+    path = geo(tmp_path / "g.geo", GEO + line.replace("{place}", str(place)) + "\n")
+    with pytest.raises(InputError, match=r"does more than draw|cannot be told before"):
+        read_mesh(path)
+    assert not place.exists()
+    # nor in a file that it takes in
+    outer = geo(tmp_path / "outer.geo", 'Include "g.geo";\n')
+    with pytest.raises(InputError, match=r"g\.geo: .*(does more than draw|cannot be told before)"):
+        read_mesh(outer)
+
+
+def test_words_of_commands_in_names_and_comments_are_no_commands(tmp_path):
+    text = GEO.replace('"clay"', '"System"') + "// Exit; Save it later\n/* Sleep 3; */\n"
+    assert read_mesh(geo(tmp_path / "g.geo", text)).materials == ("System",)

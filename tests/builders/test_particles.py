@@ -353,3 +353,14 @@ def test_spacing_grows_faster_where_a_seam_leaves_few_particles() -> None:
     assert any("away from refined places" in line for line in particles.messages)
     # a given grading is kept, whatever it costs
     assert fill_section(section, particles=2500, grading=0.25).spacing > 1.6 * even
+
+
+def test_a_refined_place_that_takes_too_much_is_told_before_it_is_filled():
+    """Area / (sqrt(3)/2 spacing^2) particles: 1e18 of them would be placed first and counted then."""
+    box = shapely.box(40, 24, 50, 26)
+    with pytest.raises(InputError, match=r"refine\[0\].*more than the free memory"):
+        fill_section(slope(), particles=1000, refine=[(box, 1e-8)])
+    with pytest.raises(InputError, match=r"a refined place alone needs about (\d+)") as caught:
+        fill_section(slope(), particles=1000, refine=[(box, 0.02)])
+    needed = int(caught.value.problem.split()[-1])
+    assert needed == pytest.approx(20.0 / (0.5 * 3**0.5 * 0.02**2), rel=0.01)

@@ -127,6 +127,10 @@ def test_gravel_is_stones_in_voids():
         ({"grains": 2}, "classes are 0 to 1"),
         ({"grains": 1, "apart": 0.5}, "not a number from 1"),
         ({"smallest": 10**6}, "every piece is smaller"),
+        # filters as wide as that would fill the memory
+        ({"smoothing": 1e9}, "more than the [0-9]+ px of the picture"),
+        ({"lighting": 1e300}, "more than the [0-9]+ px of the picture"),
+        ({"grains": 1, "apart": 1e9}, "more than the [0-9]+ px of the picture"),
     ],
 )
 def test_what_cannot_be_cut_is_refused(grains, options, problem):

@@ -220,6 +220,10 @@ def test_files_that_are_no_terrain_are_refused(tmp_path):
     refused("absent.npz", "no such file")
     refused("a.obj", "no terrain that can be read", b"v 0 0 0")
     refused("a.npz", "holds other", other=np.zeros(3))
+    # NumPy and zipfile have errors of their own for each of these
+    refused("empty.npz", "the file is damaged", b"")
+    refused("head.npz", "the file is damaged", b"PK\x03\x04-")
+    refused("cut.npz", "the file is damaged", (tmp_path / "a.npz").read_bytes()[:-30])
     refused(
         "b.npz",
         "not ascending in equal steps",
@@ -262,6 +266,7 @@ def test_files_that_are_no_terrain_are_refused(tmp_path):
         ),
         ([(500, 1000), (540, 1000)], {"layers": [Layer("soil", 5.0)]}, "do not grow"),
         ([(500, 1000), (540, 1000)], {"layers": []}, "there is none"),
+        ([(500, 1000), (540, 1000)], {"layers": [Layer("soil")], "step": 1e-9}, "are too many"),
     ],
 )
 def test_lines_layers_and_bases_that_cannot_be_are_refused(hills, points, options, problem):

@@ -161,6 +161,7 @@ IMAGE = 'image = "bank.png"'
         ('scale = "0.1 m/px"', 'scale = "0.1 m/px"\nthresholds = [0.4]',
          r"^source\.thresholds = \[0\.4\]: this belongs to photograph"),
         ("#d62728", "#8C6D31", r"this colour stands in the legend twice"),
+        ("particles = 1200", 'grading = "coarse"', r"^particles\.grading = 'coarse': a list is needed here, not text"),
     ],
 )  # fmt: skip
 def test_what_is_refused(folder, old, new, said):
@@ -182,6 +183,7 @@ def test_what_is_refused(folder, old, new, said):
         ("slices", '"0.3 mm"]', '"0 mm"]', r"source\.voxel\.2 = '0 mm': this must be above zero"),
         ("slices", 'voxel = ["0.1 mm", "0.1 mm", "0.3 mm"]', "", r"source\.voxel: missing"),
         ("grid", "thresholds = [-0.5, 1e3]", "", r"source\.thresholds: missing"),
+        ("grid", "[-0.5, 1e3]", f"[1{'0' * 400}, 1]", r"source\.thresholds = .*numbers are needed here"),
         ("mesh", "3 = ", "three = ", r"source\.names\.three = 'a': the number of a group is needed"),
         ("mesh", '"mm"', '"mi"', r"source\.length_unit = 'mi'"),
         ("solids", 'a = "f"', 'a = "h"', r"source\.solids\.a = 'h': there is no such file"),

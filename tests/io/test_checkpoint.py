@@ -82,3 +82,35 @@ def test_a_failed_write_keeps_the_old_one(tmp_path):
     with pytest.raises(TypeError):
         write_checkpoint(path, {"bad": object()})
     assert read_checkpoint(path)["version"] == "1"
+
+
+@pytest.mark.parametrize(
+    "kind", ["soft", "external", "loop", "objects", "words", "promise", "virtual", "raw"]
+)
+def test_what_points_elsewhere_or_is_no_number_is_refused(kind, tmp_path):
+    """HDF5 can hold links, objects and arrays that are promised only; with a checksum that fits, as one could make."""
+    path, other = tmp_path / "c.h5", tmp_path / "other.h5"
+    write_checkpoint(path, TREE)
+    write_checkpoint(other, TREE)
+    with h5py.File(path, "r+") as file:
+        if kind == "soft":
+            file["more"] = h5py.SoftLink("/state/stress")
+        elif kind == "external":
+            file["more"] = h5py.ExternalLink(str(other), "/state/stress")
+        elif kind == "loop":
+            file["state/loop"] = file["state"]
+        elif kind == "objects":
+            file.create_dataset("more", data=[file["state"].ref], dtype=h5py.ref_dtype)
+        elif kind == "words":
+            file.create_dataset("more", data=["import os"], dtype=h5py.string_dtype())
+        elif kind == "promise":
+            file.create_dataset("more", shape=(10**12,), chunks=(1000,), dtype=float)
+        elif kind == "virtual":
+            layout = h5py.VirtualLayout(shape=(3, 4), dtype=float)
+            layout[:] = h5py.VirtualSource(str(other), "/state/stress", shape=(3, 4))
+            file.create_virtual_dataset("more", layout)
+        else:
+            (tmp_path / "raw").write_bytes(bytes(80))
+            file.create_dataset("more", shape=(10,), dtype=float, external=[(str(tmp_path / "raw"), 0, 80)])
+    with pytest.raises(InputError, match="damaged or cut off"):
+        read_checkpoint(path)
