@@ -28,8 +28,9 @@ from .model import Model
 from .provenance import sources_digest
 from .record import MethodRecord, write_trials
 from .simulation import Simulation
-from .stability.bracket import bracket
+from .stability.bracket import Trial, bracket
 from .stability.criteria import Criteria
+from .stability.forecast import Planned
 from .stability.methods import GravityIncrease, StrengthReduction, make_method
 from .stability.search import Progress, Search, Snapshot
 
@@ -48,6 +49,9 @@ NEXT_START = {StrengthReduction.kind: 0.995, GravityIncrease.kind: 0.98}
 for gravity increase; and its first step."""
 
 CHECKPOINT_SECONDS = 5.0
+
+CLOSING = 2.0
+"""Time of limit equilibrium, pictures and report over that of placing the particles, as measured."""
 
 
 class Update(NamedTuple):
@@ -96,6 +100,9 @@ class Analysis:
         self._started = time.perf_counter()
         self._compiled_before = compile_seconds()
         self._saved = 0.0
+        self._plan: list[Planned] = []
+        self._done_trials: list[Trial] = []
+        self._building = 0.0
         self._coarse: Model | None = None
         self._coarse_count: int | None = None
         self.bracketed = False
@@ -116,6 +123,7 @@ class Analysis:
         self.records = {kind: MethodRecord(kind) for kind in self.case.methods}
         self._use(self._fill(self.case.particles, self.case.spacing))
         assert self.model is not None
+        self._building = self.wall_seconds()
         return self.model
 
     def _use(self, particles: Particles) -> None:
@@ -139,16 +147,40 @@ class Analysis:
             `stop_asked` said so; the checkpoint is written.
         """
         assert self.model is not None
+        self._plan = self._planned()
         if not self.bracketed:
             self._bracket_coarsely()
         for kind, record in self.records.items():
             if record.done:
                 continue
+            self._plan = self._planned(record)
             self._search_fine(record)
             if kind == StrengthReduction.kind and any(not m.dilation_given for m in self._frictional()):
                 self._search_zero_dilation(record)
             record.done = True
             self.save()
+
+    def _planned(self, beginning: MethodRecord | None = None) -> list[Planned]:
+        """Searches still to come; `beginning`: after the fine one of this method, which begins now."""
+        assert self.model is not None
+        levels = [] if self.bracketed else self._levels()
+        open_ = [record for record in self.records.values() if not record.done]
+        tolerance = max(COARSE_TOLERANCE, self.case.tolerance)
+        plan = [
+            Planned(level, tolerance, NEXT_STEP[record.kind] if number else FIRST_STEP)
+            for number, level in enumerate(levels)
+            for record in open_
+        ]
+        for record in open_:
+            if record is not beginning:
+                found = bool(levels) or record.coarse_value is not None
+                step = NEXT_STEP[record.kind] if found else FIRST_STEP
+                plan.append(Planned(self.model.particles, self.case.tolerance, step))
+            if record.kind == StrengthReduction.kind and any(
+                not m.dilation_given for m in self._frictional()
+            ):
+                plan.append(Planned(levels[0] if levels else self.model.particles, tolerance, 0.03))
+        return plan
 
     def _bracket_coarsely(self) -> None:
         """Bracket every method on ever finer models, each with its particles where the one before failed."""
@@ -222,8 +254,11 @@ class Analysis:
             step=FIRST_STEP if found is None else NEXT_STEP[record.kind],
             model="coarse",
         )
+        if self._plan:
+            del self._plan[0]
         record.coarse_value = search.run(self._on_coarse_batch).value
         record.coarse += search.trials
+        self._done_trials += search.trials
         return search.failed
 
     def _search_zero_dilation(self, record: MethodRecord) -> None:
@@ -242,6 +277,8 @@ class Analysis:
             model="coarse",
         )
         self.watch(Update("search", f"{record.kind} without dilation"))
+        if self._plan:
+            del self._plan[0]
         search.run(self._on_coarse_batch)
         record.zero_dilation = search.trials
 
@@ -294,11 +331,10 @@ class Analysis:
         if self.seconds_to_first_step is None:
             self.seconds_to_first_step = self.wall_seconds()
         progress = search.progress()
-        left = progress.seconds_left
-        waiting = sum(not r.done for r in self.records.values()) - 1
-        if waiting > 0:
-            so_far = sum(t.seconds for t in search.trials) + search.seconds
-            left += waiting * (so_far + left)
+        pace = search.pace(self._done_trials)
+        left = progress.seconds_left + pace * sum(planned.work() for planned in self._plan)
+        # limit equilibrium, pictures and report
+        left += CLOSING * self._building
         text = f"{search.method.kind} on {search.simulation.model.particles:,} particles"
         self.watch(Update("search", text, progress, left))
 

@@ -133,12 +133,3 @@ def next_factor(
 def _within(factor: float, limits: tuple[float, float], tried: Sequence[float]) -> float | None:
     clipped = min(max(factor, limits[0]), limits[1])
     return None if clipped in tried else clipped
-
-
-def trials_left(trials: Sequence[Trial], *, tolerance: float, step: float) -> float:
-    """How many more trials are to be expected: halvings that the bracket still needs."""
-    from math import ceil, log2
-
-    now = bracket(trials)
-    width = now.width if now.value is not None else 2.0 * step
-    return max(0, ceil(log2(max(width, 1e-12) / tolerance))) + (0 if now.value is not None else 1)

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from ..measure.energy import EnergyAccount
 from ..simulation import Simulation
 from ..state import State
-from .bracket import Bracket, Trial, bracket, next_factor, trials_left
+from .bracket import Bracket, Trial, bracket, next_factor
 from .criteria import Criteria
+from .forecast import pace, work_left
 from .methods import Method
 
 Floats = NDArray[np.float64]
@@ -187,9 +188,16 @@ class Search:
         )
 
     def _seconds_left(self) -> float:
-        done = [t.seconds for t in self.trials]
-        mean = sum(done) / len(done) if done else max(self.seconds, 0.0) * 2.0
-        left = trials_left(self.trials, tolerance=self.tolerance, step=self.step)
-        if self.current is None:
-            return left * mean
-        return max(left - 1, 0) * mean + max(mean - self.seconds, 0.25 * mean)
+        """Of this search, by the pace so far and what trials so near to the critical factor take."""
+        steps = self.history[-1][0] if self.history else 0
+        particles = self.simulation.model.particles
+        left = work_left(
+            self.trials, steps, particles, tolerance=self.tolerance, step=self.step, running=self.current is not None
+        )  # fmt: skip
+        return left * self.pace()
+
+    def pace(self, before: Sequence[Trial] = ()) -> float:
+        """Seconds of a step of a particle, by this search and the trials of those before it."""
+        steps = self.history[-1][0] if self.history else 0
+        particles = self.simulation.model.particles
+        return pace([*before, *self.trials], self.seconds if self.history else 0.0, steps, particles)

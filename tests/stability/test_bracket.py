@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geodem.stability.bracket import Trial, bracket, next_factor, trials_left
+from geodem.stability.bracket import Trial, bracket, next_factor
+from geodem.stability.forecast import halvings_left
 
 LIMITS = (0.02, 200.0)
 
@@ -127,7 +128,7 @@ def test_a_good_start_needs_few_trials():
 def test_the_expected_number_of_trials_is_about_right(threshold, tolerance):
     trials = search(fails_at(threshold), tolerance=tolerance)
     both = next(k for k in range(len(trials) + 1) if bracket(trials[:k]).value is not None)
-    left = trials_left(trials[:both], tolerance=tolerance, step=0.3)
+    left = halvings_left(bracket(trials[:both]).width, tolerance)
     # the middle that the width is measured by moves by up to a half
     assert abs(left - (len(trials) - both)) <= 2
-    assert trials_left(trials, tolerance=tolerance, step=0.3) == 0
+    assert halvings_left(bracket(trials).width, tolerance) == 0
