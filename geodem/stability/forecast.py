@@ -3,7 +3,8 @@
 A trial slows down as its factor comes near to the critical one: what fails leaves its balance ever more slowly, and
 what holds takes ever longer to come to rest. Steps of a trial on 3000 particles at the relative distance d of its
 factor from the critical one, as measured on the slope over a seam of `geodem new slope`: about 165/sqrt(d) where it
-fails, 250 + 15/d where it holds; they grow as the square root of the number of particles, as waves need to cross the section.
+fails, 250 + 15/d where it holds; they grow as the square root of the number of particles, as waves need to cross the
+section.
 """
 
 from __future__ import annotations
