@@ -121,7 +121,7 @@ def disturb(scene: Scene, kills: int, seed: int) -> Outcome:
             sort = min(counts, key=lambda key: counts[key])
             if _killed(scene, folder, out, sort, whole, rng, problems):
                 counts[sort] += 1
-            else:  # it came to its end before
+            elif not problems:  # it came to its end before
                 finished += 1
                 problems += _differences(out, whole)
                 shutil.rmtree(out)
