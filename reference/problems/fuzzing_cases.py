@@ -61,8 +61,8 @@ OPERATIONS = (
 )
 
 
-def spoilt(seeds: list[Document]) -> st.SearchStrategy[Document]:
-    """Documents that are one of `seeds` with up to four changes."""
+def spoilt(seeds: list[Document]) -> st.SearchStrategy[tuple[int, str]]:
+    """The number of one of `seeds`, and it with up to four changes as TOML."""
     values = st.one_of(
         st.sampled_from(WORDS),
         st.sampled_from(NUMBERS),
@@ -80,7 +80,9 @@ def spoilt(seeds: list[Document]) -> st.SearchStrategy[Document]:
     )
     few = st.one_of(change.map(lambda one: [one]), st.lists(change, min_size=1, max_size=4))
     return st.builds(
-        lambda number, changes: _changed(seeds[number], changes), st.integers(0, len(seeds) - 1), few
+        lambda number, changes: (number, toml(_changed(seeds[number], changes))),
+        st.integers(0, len(seeds) - 1),
+        few,
     )
 
 

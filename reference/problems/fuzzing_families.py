@@ -42,8 +42,7 @@ def fuzz(judge: Judge, folder: Path, count: int, number: int) -> None:
     )
     @given(inputs)
     def one(given_input: Any) -> None:
-        shown = given_input if isinstance(given_input, str | bytes) else repr(given_input)
-        judge.judge(lambda: read(given_input), repr(shown)[:3000])
+        judge.judge(lambda: read(given_input), repr(given_input)[:3000])
 
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
         one()
@@ -55,15 +54,15 @@ Family = tuple[st.SearchStrategy[Any], Callable[[Any], object]]
 def _cases(folder: Path) -> Family:
     """Case files of every kind; where one can be read, its section or body is made too."""
     seeds = fuzzing_files.cases(TEMPLATES, WORKFLOWS)
-    documents = fuzzing_cases.documents([text for text, _ in seeds])
-    for text, own in seeds:
-        parse_any(text, own or folder)  # they are good, or there would be nothing to spoil
-    for _, own in seeds:
-        for file in own.iterdir() if own else ():
-            if file.suffix in (".png", ".toml", ".msh", ".stl", ".asc", ".npz") and file.name != "case.toml":
-                (folder / file.name).write_bytes(file.read_bytes())
-    inputs = fuzzing_cases.spoilt(documents).map(fuzzing_cases.toml)
-    return inputs, lambda text: _use(parse_any(text, folder))
+    folders = [own or folder for _, own in seeds]
+    for (text, _), own in zip(seeds, folders, strict=True):
+        _use(parse_any(text, own))  # they are good, or there would be nothing to spoil
+
+    def read(item: tuple[int, str]) -> None:
+        number, text = item
+        _use(parse_any(text, folders[number]))
+
+    return fuzzing_cases.spoilt(fuzzing_cases.documents([text for text, _ in seeds])), read
 
 
 def _use(case: Any) -> None:
@@ -94,7 +93,7 @@ def _case_text(folder: Path) -> Family:
 def _materials(folder: Path) -> Family:
     path = folder / "spoilt.toml"
     documents = fuzzing_cases.documents([fuzzing_files.MATERIAL])
-    texts = fuzzing_cases.spoilt(documents).map(lambda document: fuzzing_cases.toml(document).encode())
+    texts = fuzzing_cases.spoilt(documents).map(lambda item: item[1].encode())
 
     def read(content: bytes) -> None:
         path.write_bytes(content)
