@@ -15,6 +15,9 @@ from geodem.errors import InputError
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int32]
 
+SMALLEST_CELL, LARGEST_CELL = 1e-12, 1e9
+"""Sides [m] beyond which areas and volumes are no longer told from zero or infinity."""
+
 
 @dataclass(frozen=True)
 class GridBody:
@@ -219,6 +222,11 @@ def cell_sides(spacing: float | ArrayLike | None, dimension: int, place: str) ->
             "Give metres.",
             value=spacing,
         )
+    if not ((sides > SMALLEST_CELL) & (sides < LARGEST_CELL)).all():
+        raise InputError(
+            place, f"cells of ground have sides of {SMALLEST_CELL:g} m to {LARGEST_CELL:g} m", "Check the unit.",
+            value=spacing,
+        )  # fmt: skip
     return sides
 
 

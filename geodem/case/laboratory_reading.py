@@ -43,6 +43,7 @@ KINDS = {
 """Tests, and the key of the stress that each needs."""
 
 DEFAULT_SEEDS = 4
+MOST_SEEDS = 10_000
 DEFAULT_SEED = 1
 _LARGEST_STRESS = 1e9
 
@@ -78,6 +79,8 @@ def parse_laboratory(text: str, folder: Path) -> LaboratoryCase:
     top, findings = head.top, head.findings
     seed = head.seed(DEFAULT_SEED)
     seeds = top.integer("seeds", smallest=1, remedy="Write a whole number such as 4.")
+    if seeds is not None and seeds > MOST_SEEDS:
+        top.error("seeds", "so many specimens of each test take years", "Write 4; a mean is known well with 30.")
     if "seeds" not in top:
         seeds = DEFAULT_SEEDS
         findings.default("seeds", str(seeds))

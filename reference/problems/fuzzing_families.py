@@ -24,6 +24,8 @@ from . import fuzzing_cases, fuzzing_files, fuzzing_pictures
 from .fuzzing_judge import ROOT, Judge
 
 TEMPLATES, WORKFLOWS = ROOT / "geodem" / "templates", ROOT / "workflows"
+FEW, MANY = 400, 10**9
+"""Particles between which a filling is only a matter of time."""
 LEGEND = {"#8c6d31": "soil", "#d62728": "seam"}
 
 
@@ -66,17 +68,21 @@ def _cases(folder: Path) -> Family:
 
 
 def _use(case: Any) -> None:
-    """What a case is made from, and itself as text that reads as the same."""
-    from geodem.building import make_section
+    """What a case is made from, itself as text, and its particles where they are few, or too many to be made."""
+    from geodem.building import make_particles, make_section
     from geodem.case import Case
     from geodem.case.ground import GroundCase
-    from geodem.ground_building import make_body
+    from geodem.ground_building import fill, make_body
 
     case.as_run_text()
     if isinstance(case, Case):
-        make_section(case)
+        section = make_section(case)
+        if not FEW < (case.particles or FEW + 1) < MANY:
+            make_particles(case, section, particles=case.particles)
     elif isinstance(case, GroundCase):
-        make_body(case)
+        body = make_body(case).body
+        if case.particles.particles is not None and not FEW < case.particles.particles < MANY:
+            fill(case, body)
 
 
 def _case_text(folder: Path) -> Family:

@@ -231,6 +231,10 @@ def test_files_that_are_no_image_data_are_refused(tmp_path):
         read(tmp_path / "two.vti", scalars="one", thresholds=[2.0, 1.0])
     with pytest.raises(InputError, match="part 2 materials"):
         read(tmp_path / "two.vti", scalars="one", materials=("a",))
+    content = (tmp_path / "two.vti").read_bytes()
+    (tmp_path / "cut.vti").write_bytes(content[: len(content) // 3])
+    with pytest.raises(InputError, match="the file is damaged"):
+        read(tmp_path / "cut.vti")
     with pytest.raises(InputError, match="holds PolyData"):
         read(tmp_path / "sphere.vtk")
     with pytest.raises(InputError, match=r"no \.vti or \.vtk"):
@@ -242,3 +246,7 @@ def test_a_picture_that_is_absent_or_has_no_scale_is_refused(corner, tmp_path):
         grid_from_image(tmp_path / "absent.png", scale=1.0, legend=LEGEND)
     with pytest.raises(InputError, match="grid, scale"):
         grid_from_image(corner, scale=-1.0, legend=LEGEND)
+    # of which areas are infinite or nothing
+    for scale in (1e200, 1e-200):
+        with pytest.raises(InputError, match="Check the unit"):
+            grid_from_image(corner, scale=scale, legend=LEGEND)

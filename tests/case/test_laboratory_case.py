@@ -167,6 +167,7 @@ def test_every_default_is_said(tmp_path: Path) -> None:
     [
         ('"laboratory"', '"labaratory"', "workflow", 'Did you mean "laboratory"'),
         ("seeds = 2", "seeds = 0", "seeds", "below 1"),
+        ("seeds = 2", "seeds = 1000000000", "seeds", "years"),
         ("seeds = 2", "sedes = 2", "sedes", 'Did you mean "seeds"'),
         ("dimension = 2", "dimension = 4", "specimen.dimension", "Write 2 or 3"),
         ("dimension = 2", "dimension = 3", "specimen.across", ""),
