@@ -57,7 +57,8 @@ def load_inp(path: Path) -> LoadedMesh:
                 if row[0] in place_of:
                     raise ValueError(f"there are two elements {row[0]}; is it one part only?")
                 place_of[row[0]] = (len(blocks), k)
-            blocks.append((kind, [row[1:] for row in rows]))
+            if rows:
+                blocks.append((kind, [row[1:] for row in rows]))
             if "ELSET" in options:
                 own.setdefault(options["ELSET"], []).extend(row[0] for row in rows)
         elif keyword == "ELSET":

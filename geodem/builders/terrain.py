@@ -179,7 +179,7 @@ class Terrain:
         wanted = float(self.spacing.min()) if step is None else step
         if not (np.isfinite(wanted) and wanted > 0.0):
             raise InputError("terrain, step", "this is not a positive number", "Give metres.", value=step)
-        if not lengths.sum() / wanted < _MOST_STEPS:
+        if not lengths.sum() < _MOST_STEPS * wanted:
             raise InputError(
                 "terrain, step", f"steps of {wanted:.3g} m on a line of {lengths.sum():.3g} m are too many",
                 "Give a larger step, or look whether the spacing of the heights is in metres.", value=step,

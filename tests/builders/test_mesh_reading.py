@@ -189,6 +189,15 @@ def test_element_sets_name_materials(tmp_path):
     assert mesh.sizes == pytest.approx([1.0, 1.0])
 
 
+def test_a_block_without_elements_is_passed_over(tmp_path):
+    path = tmp_path / "a.inp"
+    path.write_text(ABAQUS.replace("*Elset, elset=left", "*Element, type=CPE4\n*Elset, elset=left"))
+    assert read_mesh(path).materials == ("left", "right")
+    path.write_text(ABAQUS.partition("*Element")[0] + "*Element, type=CPE3\n")
+    with pytest.raises(InputError, match=r"no \*ELEMENT in it"):
+        read_mesh(path)
+
+
 def test_sections_name_materials_where_sets_overlap(tmp_path):
     path = tmp_path / "a.inp"
     more = "*Elset, elset=all, generate\n1, 3, 1\n"

@@ -267,6 +267,7 @@ def test_files_that_are_no_terrain_are_refused(tmp_path):
         ([(500, 1000), (540, 1000)], {"layers": [Layer("soil", 5.0)]}, "do not grow"),
         ([(500, 1000), (540, 1000)], {"layers": []}, "there is none"),
         ([(500, 1000), (540, 1000)], {"layers": [Layer("soil")], "step": 1e-9}, "are too many"),
+        ([(500, 1000), (540, 1000)], {"layers": [Layer("soil")], "step": 1e-320}, "are too many"),
     ],
 )
 def test_lines_layers_and_bases_that_cannot_be_are_refused(hills, points, options, problem):
