@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -195,7 +196,7 @@ def _grey(source: str | Path | NDArray[np.generic]) -> Floats:
     return np.asarray(grey, dtype=np.float64)
 
 
-def luminance(colour: NDArray[np.generic], full: float) -> Floats:
+def luminance(colour: NDArray[Any], full: float) -> Floats:
     """Brightness 0 to 1 of red, green and blue (..., 3) up to `full`, as of ITU-R BT.601."""
     grey = np.zeros(colour.shape[:-1])
     # one colour after the other: a large picture as numbers of eight bytes fills the memory

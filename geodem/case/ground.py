@@ -66,7 +66,9 @@ class GroundSource:
         names: dict[str, Path] = {}
         for key, path in self.files.items():
             taken = {place.name for place in names.values()}
-            name = path.name if path.name not in taken else f"{len(taken)}-{path.name}"
+            name = path.name
+            while name in taken:  # another file's, of another folder, or called like that itself
+                name = f"{len(taken)}-{name}"
             names[key] = Path("source") / name
         moved = {str(place): self.files[key] for key, place in names.items()}
         return replace(self, files=names), moved
