@@ -168,7 +168,7 @@ def read_contact(
     `bond`: None where it is wrong, empty where there is none.
     """
     usual = BondedMaterial.contact_law
-    if per_contact and table.content.get("law") in PER_CONTACT:
+    if per_contact and table.content.get("law") in tuple(PER_CONTACT):
         usual = "linear_frictional"
     laws = contact_laws(per_contact=per_contact)
     content = table.content.get("contact", {})

@@ -112,6 +112,8 @@ def read_interfaces(top: Table, materials: dict[str, SceneMaterial]) -> tuple[In
     bonded = next((m for m in materials.values() if isinstance(m, BondedMaterial)), None)
     law = None if bonded is None else bonded.bond_law
     fields = () if law is None else BOND_LAWS[law].PARAMETERS._fields
+    tables = top.content.get("material")
+    defined = tuple(tables) if isinstance(tables, dict) else ()
     found: list[Interface] = []
     for row in top.rows(
         "interface", ("between", "bonds", "strength", "contact", *fields), example=_INTERFACE
@@ -121,7 +123,7 @@ def read_interfaces(top: Table, materials: dict[str, SceneMaterial]) -> tuple[In
             row.error("between", "two names of materials are needed here", f"Write {_INTERFACE}.")
             continue
         for name in names:
-            if name not in top.content.get("material", {}):
+            if name not in defined:
                 row.error("between", f"there is no [material.{name}]", f"Known: {listed(materials)}.")
         pair = {*names}
         if any({one.first, one.second} == pair for one in found):

@@ -124,7 +124,9 @@ def _gravity(value: tuple[float, ...] | float) -> str:
 
 def _unique(top: Table, kinds: list[tuple[str, tuple]]) -> None:
     """Joints, bolts and linings have names of their own, and none of a material."""
-    taken = {name: f"[material.{name}]" for name in top.content.get("material", {})}
+    defined = top.content.get("material")
+    names = tuple(defined) if isinstance(defined, dict) else ()
+    taken = {name: f"[material.{name}]" for name in names}
     for kind, entries in kinds:
         for number, one in enumerate(entries):
             place = f"{kind}[{number}].name"

@@ -231,6 +231,7 @@ def test_a_box_in_space_has_six_sides():
         ('box = ["20 m", "10 m"]', 'box = ["20 m"]', "source.box", "two sides"),
         ('box = ["20 m", "10 m"]', "box = [20, 10]", "source.box", "bare number"),
         ('law = "rock"', 'law = "rook"', "material.rock.law", "choices"),
+        ('law = "rock"', 'law = {a = 1}', "material.rock.law", "choices"),
         ('tensile_strength = "10 MPa"', 'tensile_strength = "10 kN"', "material.rock.tensile_strength", "stress"),
         ("[particles]", '[boundary]\nfront = "wall"\n[particles]', "boundary.front", "unknown key"),
         ("[particles]", '[boundary]\nleft = "glue"\n[particles]', "boundary.left", "choices"),
@@ -254,6 +255,14 @@ def test_mistakes_name_their_place(old, new, place, words):
     named = [str(error) for error in findings.errors if error.place.startswith(place)]
     assert named, [error.place for error in findings.errors]
     assert any(words in each for each in named), named
+
+
+@pytest.mark.parametrize("material", ["3", "[{}]", '[{name = "rock"}]'])
+def test_materials_that_are_no_tables_are_told(material):
+    interface = '[[interface]]\nbetween = ["rock", "x"]\n[[bolt]]\nname = "b"\nfrom = [0, 0]\nto = [1, 1]\n'
+    found, findings = read(f"material = {material}\n{BOX}{interface}")
+    assert found is None
+    assert any("a table is needed here" in str(error) for error in findings.errors), findings.errors
 
 
 def test_all_mistakes_are_told_at_once():
