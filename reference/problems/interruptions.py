@@ -24,7 +24,7 @@ from .interruptions_killer import MOMENTS
 from .interruptions_scenes import SCENES, Scene, broken_files, held
 from .rows import Row
 
-KILLS = {"slope": 45, "ground": 51, "laboratory": 51, "particles": 54}
+KILLS = {"slope": 24, "ground": 57, "laboratory": 51, "particles": 72}
 """Of each scene; a third at random moments, a third while it writes what it goes on from, a third in its outputs."""
 SEED = 20261130
 WORDS = {

@@ -11,7 +11,7 @@ from pathlib import Path
 from .fuzzing_judge import ROOT
 from .interruptions_scenes import Scene, broken_files, held
 
-ROOMS = (200, 3_000, 12_000, 40_000, 150_000)
+ROOMS = (200, 3_000, 20_000, 100_000)
 """Largest file that may be written [B]; each ends a run in another of its files."""
 WORDS = ("larger than is allowed", "not permitted", "disk is full", "read-only")
 
@@ -41,7 +41,7 @@ def full_file_system(scene: Scene, folder: Path) -> tuple[int, list[str]]:
     """As `full_disks`, with a file system of its own that is full; no runs where this machine makes none."""
     scene.prepare(folder)
     ended, problems = 0, []
-    for size in (16, 64, 200):
+    for size in (16, 100):
         out = folder / f"room-{size}"
         out.mkdir()
         # what is on it goes with the process, so it is copied out before
