@@ -179,7 +179,8 @@ class Analysis:
             if record.kind == StrengthReduction.kind and any(
                 not m.dilation_given for m in self._frictional()
             ):
-                plan.append(Planned(levels[0] if levels else self.model.particles, tolerance, 0.03))
+                coarse = levels[0] if levels else self._coarse_count or self.model.particles
+                plan.append(Planned(coarse, tolerance, 0.03))
         return plan
 
     def _bracket_coarsely(self) -> None:
