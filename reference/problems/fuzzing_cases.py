@@ -34,7 +34,7 @@ NUMBERS = (
     1e22, 1e300,
     math.nan, math.inf, -math.inf, True, False,
 )  # fmt: skip
-OTHERS = (
+OTHERS: tuple[Any, ...] = (
     [], {}, [[]], [{}], [1, 2], ["10 m", "2 m"], [[0, 0], [1, 1]], [[0, 0], [10, 0], [10, 5]], [math.nan,
     0], {"a": 1},
     datetime.date(1979, 5, 27), datetime.time(7, 32), datetime.datetime(1979, 5, 27, 7, 32), [10**400],

@@ -153,7 +153,7 @@ def _write_terrains(folder: Path) -> None:
         head + "\n".join(" ".join(f"{h:.3f}" for h in row) for row in rows) + "\n"
     )
     np.savez(folder / "heights.npz", x=x, y=y, z=heights)
-    tags = [(33550, "d", 3, (4.0, 4.0, 0.0)), (33922, "d", 6, (0.0, 0.0, 0.0, 0.0, 34.0, 0.0))]
+    tags = [(33550, "d", 3, (4.0, 4.0, 0.0), True), (33922, "d", 6, (0.0, 0.0, 0.0, 0.0, 34.0, 0.0), True)]
     tifffile.imwrite(folder / "heights.tif", rows.astype(np.float32), extratags=tags)
 
 

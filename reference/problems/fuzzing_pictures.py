@@ -91,9 +91,10 @@ def _draw(spec: Spec) -> Image.Image:
         picture = Image.fromarray(rng.integers(0, 256, (rows, columns, 4), dtype=np.uint8), "RGBA")
     elif spec.drawing == 2:
         for _ in range(6):
-            x, y = rng.integers(0, columns), rng.integers(0, rows)
+            x, y = float(rng.integers(0, columns)), float(rng.integers(0, rows))
             fill = ("#d62728ff", "#ffffffff", "#8c6d3180", "#00000000")[rng.integers(4)]
-            pen.ellipse([x, y, x + rng.integers(1, columns + 1), y + rng.integers(1, rows + 1)], fill=fill)
+            across, down = float(rng.integers(1, columns + 1)), float(rng.integers(1, rows + 1))
+            pen.ellipse([x, y, x + across, y + down], fill=fill)
     elif spec.drawing == 3:
         colours = np.array([[140, 109, 49, 255], [214, 39, 40, 255], [255, 255, 255, 255]], dtype=np.uint8)
         picture = Image.fromarray(colours[rng.integers(0, 3, (rows, columns))], "RGBA")
