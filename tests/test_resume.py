@@ -1,8 +1,7 @@
-"""A run can be stopped and killed anywhere: what follows has the same bits, and nothing half-written is left."""
+"""A run can be stopped anywhere: what follows has the same bits. Kills are in tests/stability/test_interruptions.py."""
 
 from __future__ import annotations
 
-import random
 import shutil
 import signal
 import subprocess
@@ -11,7 +10,6 @@ import time
 from pathlib import Path
 from typing import Any
 
-import h5py
 import pytest
 
 from geodem import cli
@@ -23,8 +21,6 @@ from geodem.io.history import read_history
 from geodem.result import assemble
 from geodem.workflow import run_case
 from tests.small_cases import SLOPE, STAGES, environment, geodem, result_of, write_case
-
-KILLS = 6
 
 
 @pytest.fixture(scope="module")
@@ -157,66 +153,6 @@ def test_stopped_again_and_again(case, whole, tmp_path):
     assert assemble(analysis)["digest"] == result_of(whole)["digest"]
 
 
-def test_killed_at_random(case, whole, tmp_path):
-    """kill -9 at any moment, and the same command again until it is done."""
-    rng = random.Random(20260)
-    out = tmp_path / "out"
-    command = [sys.executable, "-m", "geodem", "run", str(case), "--out", str(out)]
-    kills = 0
-    while kills < KILLS:
-        running = subprocess.Popen(
-            command, env=environment(), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
-        )
-        try:
-            running.wait(timeout=rng.uniform(0.3, 4.5))
-        except subprocess.TimeoutExpired:
-            running.kill()
-            kills += 1
-        _, errors = running.communicate()
-        nothing_is_half_written(out)
-        if running.returncode != -signal.SIGKILL:  # it was done before: begin anew
-            assert running.returncode == 0, errors
-            is_whole(out, whole)
-            shutil.rmtree(out)
-    done = geodem("resume", out) if (out / "checkpoint.h5").exists() else geodem(*command[3:])
-    assert done.returncode == 0, done.stderr
-    is_whole(out, whole)
-
-
-def is_whole(out: Path, whole: Path) -> None:
-    """Everything is there, with the bits of the run that was not disturbed, and nothing else."""
-    assert result_of(out)["status"] == "done"
-    assert result_of(out)["digest"] == result_of(whole)["digest"]
-    assert {path.name for path in out.iterdir()} == {path.name for path in whole.iterdir()}
-
-
-def nothing_is_half_written(out: Path) -> None:
-    """Every file under its own name is whole; parts of files have names that no reader takes."""
-    if not out.exists():
-        return
-    for path in out.rglob("*"):
-        if path.is_dir() or (path.name.startswith(".") and path.name.endswith(".part")):
-            continue
-        if path.name == "checkpoint.h5":
-            read_checkpoint(path)
-        elif path.name == "result.json":
-            result_of(out)
-        elif path.name == "case.toml":
-            load_case(path)
-        elif path.name == "history.csv":
-            assert path.read_bytes().endswith(b"\n")
-            read_history(path)
-        elif path.suffix == ".vtkhdf":
-            with h5py.File(path) as file:
-                assert "VTKHDF" in file
-        elif path.suffix == ".html":
-            assert path.read_text().rstrip().endswith("</html>")
-        elif path.suffix == ".png":
-            assert path.read_bytes().endswith(b"IEND\xaeB`\x82")
-        else:
-            raise AssertionError(f"unexpected file {path}")
-
-
 def test_interrupted_by_the_user(case, whole, tmp_path):
     out = tmp_path / "out"
     command = [sys.executable, "-m", "geodem", "run", str(case), "--out", str(out)]
@@ -244,7 +180,7 @@ def test_interrupted_by_the_user(case, whole, tmp_path):
 
 
 def test_the_history_grows_while_it_runs(case, whole, tmp_path, monkeypatch):
-    """What a killed run leaves is the beginning of what is there in the end, and of the trial under way."""
+    """What a killed run leaves is a part of what is there in the end, the trial under way included."""
     monkeypatch.setattr("geodem.analysis.CHECKPOINT_SECONDS", 0.0)
     lengths = []
 
@@ -258,8 +194,11 @@ def test_the_history_grows_while_it_runs(case, whole, tmp_path, monkeypatch):
     assert lengths == sorted(lengths)
     # a line of the look before is there at each
     assert lengths[-1] >= 58
-    steps = read_history(tmp_path / "history.csv")["step [-]"]
-    assert steps.tolist() == read_history(whole / "history.csv")["step [-]"][: len(steps)].tolist()
+    kept, there = (
+        {repr(line) for line in zip(*read_history(folder / "history.csv").values(), strict=True)}
+        for folder in (tmp_path, whole)
+    )
+    assert kept < there
 
 
 def test_a_checkpoint_that_lacks_a_part_is_refused(folder, capsys):
