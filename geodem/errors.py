@@ -71,3 +71,49 @@ def _brief(text: str) -> str:
 
 class StoppedError(RuntimeError):
     """A run that stopped before its end and can be resumed from its checkpoint (exit status 3)."""
+
+
+class UnstableError(RuntimeError):
+    """A motion that has come to mean nothing: numbers that are none, steps too long, energy out of nothing.
+
+    Parameters
+    ----------
+    cause : str
+        What was found, in one clause about the particle where there is one.
+    remedy : str
+        What to do.
+    step : int
+        After which it was found.
+    particle : int, optional
+        In the order of the user.
+    place : tuple of float, optional
+        Of the particle [m].
+    detail : str
+        What else helps to see why.
+    last_good : int, optional
+        Step of the last good state that is kept.
+    """
+
+    def __init__(
+        self,
+        cause: str,
+        remedy: str,
+        *,
+        step: int,
+        particle: int | None = None,
+        place: tuple[float, ...] | None = None,
+        detail: str = "",
+        last_good: int | None = None,
+    ) -> None:
+        self.cause = cause
+        self.remedy = remedy
+        self.step = step
+        self.particle = particle
+        self.place = place
+        self.last_good = last_good
+        who = "" if particle is None else f", particle {particle}"
+        if place is not None:
+            who += " at (" + ", ".join(f"{value:.6g}" for value in place) + ") m"
+        kept = "" if last_good is None else f" The state at step {last_good:,} is kept: see last_good()."
+        more = f" ({detail})" if detail else ""
+        super().__init__(f"after step {step:,}{who}: {cause}{more}. {remedy}.{kept}")

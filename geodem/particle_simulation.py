@@ -19,11 +19,12 @@ from ._jit import ThreadPilot, add_compile_seconds
 from .assembly import Assembly
 from .boundaries.wall_pairs import WallPairs, check_servo_contact, find_wall_pairs
 from .boundaries.wall_table import wall_table
-from .errors import InputError
+from .errors import InputError, UnstableError
 from .io.particle_checkpoint import read_particles, write_particles
 from .kernels.particle_kernel import Features, compile_particle_kernel
 from .laws.convention import CONVENTIONS
 from .neighbors import find_halo, max_displacement, rebuild, spatial_order, wrapped
+from .particle_guard import Guard
 from .particle_joints import bond_table, mark_joints
 from .particle_layout import (
     NOTHING_AROUND,
@@ -66,10 +67,6 @@ BATCH = 1000
 
 DISORDER = 0.15
 """Rows are sorted anew once the share of pairs across chunks has grown by this much."""
-
-
-class UnstableError(RuntimeError):
-    """A number is no longer finite: a step too long, or forces beyond what float64 can carry."""
 
 
 class ParticleSimulation(ParticleReading):
@@ -180,6 +177,7 @@ class ParticleSimulation(ParticleReading):
         self.time_step = choose_time_step(self.critical_time_step, time_step)
         self.span = self.time_step
         choose_servo_gains(self)
+        self.guard = Guard(self)
 
     def _ready(self) -> None:
         """What a simulation needs beside its state."""
@@ -231,7 +229,27 @@ class ParticleSimulation(ParticleReading):
         self = cls.__new__(cls)
         restore(self, assembly, tree, place)
         self._ready()
+        self.guard = Guard(self)
         return self
+
+    def in_state(self, tree: Mapping[str, Any]) -> ParticleSimulation:
+        """Another simulation of the same assembly in the state of a tree (see `particle_state`), which becomes its own."""
+        return self.of_state(self.assembly, tree, "a state that was kept")
+
+    def last_good(self) -> ParticleSimulation:
+        """The last state that was kept while everything was well, as a simulation of its own; `save` writes it.
+
+        A state is kept where a motion begins, and then about every 4000 steps, see `geodem.particle_guard`. From it
+        the motion goes on with the same bits.
+
+        Raises
+        ------
+        InputError
+            Nothing has moved yet.
+        """
+        if self.guard.kept is None:
+            raise InputError("last_good", "nothing has moved yet", "Run some steps before")
+        return self.guard.before(self)
 
     # ------------------------------------------------------------------ neighbours
 
@@ -338,14 +356,15 @@ class ParticleSimulation(ParticleReading):
         Raises
         ------
         UnstableError
-            A position or velocity is no longer finite; the state before the batch of steps is lost.
+            The motion has come to mean nothing, see `geodem.particle_guard`; `last_good` gives the state before.
         """
         if steps < 0:
             raise InputError("steps", "time runs forwards", "Give 0 or more", value=steps)
         kernel = self.kernel(self.features)
         if steps > 0 and not self.started:
             self._start()
-        self.begin_stage(moving=True)
+        if self.begin_stage(moving=True) or self.guard.kept is None:
+            self.guard.begin(self)
         left = steps
         while left > 0:
             # rows may be sorted anew here: before inverse masses by row are handed over
@@ -362,8 +381,10 @@ class ParticleSimulation(ParticleReading):
             left -= done
             if first and self.features.energy:
                 begin_account(self)
+            self.guard.stepped(self, done)
             if progress is not None:
                 progress(steps - left)
+        self.guard.ended(self)
 
     def _start(self) -> None:
         """Begin as the convention does: with velocities at the start, on which the first forces act for half a step."""
@@ -405,11 +426,16 @@ class ParticleSimulation(ParticleReading):
         self.steps -= 1
         self.lag = 0.0
 
-    def begin_stage(self, *, moving: bool) -> None:
-        """Note that from now on steps are true motion, or those of a search for equilibrium: time stands still."""
+    def begin_stage(self, *, moving: bool) -> bool:
+        """Note that from now on steps are true motion, or those of a search for equilibrium: time stands still.
+
+        Returns whether they were not before.
+        """
         length = self.time_step if moving else 0.0
-        if self.stages[-1][2] != length:
-            self.stages.append((self.steps, self.time, length))
+        if self.stages[-1][2] == length:
+            return False
+        self.stages.append((self.steps, self.time, length))
+        return True
 
     def batch(
         self,
@@ -458,7 +484,7 @@ class ParticleSimulation(ParticleReading):
         self.moved = moved
         self.carried = carried
         if not math.isfinite(self.moved) or not math.isfinite(self.carried):
-            raise self._unstable()
+            raise self.guard.lost(self)
         return int(done), float(damping)
 
     def _arguments(
@@ -491,15 +517,6 @@ class ParticleSimulation(ParticleReading):
             self.quiet, around, neighbour, float(sleep.speed), sleep.steps, p.image,
             NO_CELL if self.cell is None else self.cell.state,
         )  # fmt: skip
-
-    def _unstable(self) -> UnstableError:
-        lost = np.flatnonzero(~np.isfinite(self.now).all(axis=1))
-        which = f"particle {int(self.arrays.ids[lost[0]])}" if len(lost) else "a wall"
-        return UnstableError(
-            f"{which} has no finite place or velocity after step {self.steps} (time step {self.time_step:.6g} s, "
-            f"critical at the start {self.critical_time_step:.6g} s). Take a shorter time step, or look for "
-            "particles that were pressed into one another"
-        )
 
 
 _NOTHING = np.zeros((1, 6))
