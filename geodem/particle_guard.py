@@ -7,7 +7,8 @@ fourth time it is kept. Looking changes no bit of the motion.
 Rules, each with the particle, the step and what to do in its message:
 
 - every place and velocity is finite;
-- in one step no particle goes farther than the buffer of the pair list, or farther than its own radius;
+- in one step no particle goes farther than half its own radius, so that nothing is passed through unseen (pairs are
+  listed anew before the next forces, so the buffer of the list is no limit);
 - where particles are fast enough to press a contact by their whole radius, none is pressed deeper than `DEEPEST`;
 - no particle leaves a box far around everything that was there at the start;
 - with an energy account: what is found stays within a tenth of what was supplied. Without one: kinetic energy stays
@@ -34,7 +35,6 @@ from .particle_extremes import (
     stored_energy,
     supplied,
 )
-from .particle_setup import BUFFER_SHARE
 from .particle_state import state_tree
 
 if TYPE_CHECKING:
@@ -45,12 +45,16 @@ Floats = NDArray[np.float64]
 DEEPEST = 0.8
 """Overlap over the smaller radius beyond which two particles, or one and a wall, are about to pass through each other."""
 
+LONGEST_WAY = 0.5
+"""Of a particle in one step, over its radius."""
+
 EXPLOSION = 10.0
+"""Kinetic energy over all that can have become it."""
 
 IMBALANCE = 0.1
 """Of the energy account [-]."""
 
-LOOK_WORK = 400_000
+LOOK_WORK = 1_000_000
 """Particles times steps between two looks; 1000 to 10,000 steps."""
 
 KEEP = 4
@@ -70,7 +74,6 @@ class Guard:
         self.low, self.high = far_box(s)
         radii = s.assembly.radii
         self.smallest = float(radii.min())
-        self.longest = max(s.buffer, BUFFER_SHARE * float(radii.mean()))
         self.every = min(max(LOOK_WORK // len(radii), 1000), 10_000)
         self.slowest = slowest_contact(s)
         self.searches = 0
@@ -94,7 +97,7 @@ class Guard:
         UnstableError
             The motion has come to mean nothing.
         """
-        if s.moved > 2.0 * min(self.longest, self.smallest):
+        if s.moved > 2.0 * LONGEST_WAY * self.smallest:
             self._look_at_the_fastest(s)
         if s.searches != self.searches:
             # whatever is pressed into something else has moved, so that this comes up often enough
@@ -144,20 +147,19 @@ class Guard:
 
     def _look_at_the_fastest(self, s: ParticleSimulation) -> None:
         fastest = float(s.sums[:, motion.FASTEST].max())
-        way = fastest * s.time_step
-        if way > min(self.longest, self.smallest):
-            velocity = s.now[:, s.columns.velocity]
-            ways = np.sqrt((velocity**2).sum(axis=1)) * s.time_step
-            limit = np.minimum(s.now[:, s.columns.radius], self.longest)
-            worst = int(np.argmax(ways / limit))
-            if ways[worst] > limit[worst]:
-                raise self.error(
-                    s, worst,
-                    f"it goes {ways[worst]:.3g} m in one step of {s.time_step:.3g} s, more than the {limit[worst]:.3g} m "
-                    "within which contacts are looked for, and may pass through particles or walls unseen",
-                    "Take a shorter time step, or look for what drives it: a step that is too long, an overlap at the "
-                    "start, a velocity or load in the wrong unit",
-                )  # fmt: skip
+        if not fastest * s.time_step > LONGEST_WAY * self.smallest:
+            return
+        radius = s.now[:, s.columns.radius]
+        ways = np.sqrt((s.now[:, s.columns.velocity] ** 2).sum(axis=1)) * s.time_step
+        worst = int(np.argmax(ways / radius))
+        if ways[worst] > LONGEST_WAY * radius[worst]:
+            raise self.error(
+                s, worst,
+                f"it goes {ways[worst]:.3g} m in one step, more than half its radius of {radius[worst]:.3g} m, and may "
+                "pass through particles or walls unseen",
+                "Take a shorter time step, or look for what drives it: a step that is too long, an overlap at the "
+                "start, a velocity or load in the wrong unit",
+            )  # fmt: skip
 
     def _look_for_deep_contacts(self, s: ParticleSimulation) -> None:
         for found, with_whom in ((overlaps_of_strangers(s), "particle"), (overlaps_with_walls(s), "wall")):
