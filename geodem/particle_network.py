@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -10,19 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .integrators.critical_step import critical_step, largest_frequency, largest_frequency_of_products
 from .integrators.link_stiffness import law_stiffness
 from .integrators.network import (
     RIGID,
     Links,
     Springs,
     anchor_springs,
-    build_network,
     joined,
     links,
-    stiffness_matrix,
 )
-from .kernels.link_products import link_product
 from .laws.protocol import argument_names
 from .particle_joints import joint_values, law_values, open_joints
 
@@ -31,10 +26,6 @@ if TYPE_CHECKING:
     from .particle_simulation import ParticleSimulation
 
 Floats = NDArray[np.float64]
-
-MATRIX_LIMIT = 20_000
-"""Up to this many particles the largest frequency is that of a matrix; beyond, no matrix is made."""
-
 
 LEAST_OVERLAP = 2e-3
 """Over the radius: contacts count at least as stiff as with this overlap where a cell's servo must not overshoot."""
@@ -309,71 +300,3 @@ def closest_point(points: Floats, corners: Floats) -> Floats:
             inside &= ((spot - corners[:, i]) * inward).sum(1) >= 0.0
         best[inside] = spot[inside]
     return best
-
-
-def critical_time_step(s: ParticleSimulation, *, local_damping: float) -> float:
-    """The longest stable step [s], measured on the links as they are now; inf without any stiffness.
-
-    Every listed pair counts as touching, and every free particle may meet one more wall or equal particle.
-    """
-    found = current_links(s)
-    mass = s.assembly.mass[s.arrays.ids]
-    inertia = s.assembly.inertia[s.arrays.ids]
-    held = s.assembly.held[s.arrays.ids]
-    frequency = math.sqrt(max(_alone(s, mass, inertia, held), 0.0))
-    # viscosity in the form eta k v: damping ratio eta omega/2
-    viscosity = _viscosity(s)
-    n = len(mass)
-    if len(found.first) or s.assembly.anchors is not None:
-        positions = np.ascontiguousarray(s.now[:, s.columns.position])
-        inertias = np.column_stack([mass] * s.dimension + [inertia] * s.assembly.rotations)
-        springs = current_springs(s)
-        if n <= MATRIX_LIMIT:
-            matrix = stiffness_matrix(build_network(positions, found, springs))
-            measured = largest_frequency(matrix, inertias, held)
-        else:
-            measured = largest_frequency_of_products(
-                lambda moved: link_product(found, springs, moved), inertias, held
-            )
-        frequency = max(frequency, measured)
-    return critical_step(frequency, viscous=0.5 * viscosity * frequency, local=local_damping)
-
-
-def _alone(s: ParticleSimulation, mass: Floats, inertia: Floats, held: NDArray[np.bool_]) -> float:
-    """Largest squared frequency of one contact of a particle that touches nothing yet: with a rigid wall."""
-    free = ~held.all(axis=1)
-    if not free.any():
-        return 0.0
-    radius = s.now[:, s.columns.radius]
-    contact, _ = s.features.laws()
-    # two equal particles: the reduced mass is half
-    rows = [(row, 2.0) for row in s.table] + [
-        (row, 1.0) for row in (s.wall_parameters if s.assembly.walls else [])
-    ]
-    largest = 0.0
-    lightest = np.flatnonzero(free)[np.argmin(mass[free])]
-    for row, factor in rows:
-        r = np.array([radius[lightest]])
-        m = np.array([mass[lightest]])
-        k = law_stiffness(
-            contact, s.dimension, row[None], radius_a=r, radius_b=r, distance=2 * r, overlap=0.0 * r,
-            mass_a=m, mass_b=m if factor == 2.0 else 1e15 * m,
-        )[0]  # fmt: skip
-        largest = max(largest, factor * k[0] / mass[lightest])
-        if s.features.shear:
-            turning = 0.0 if held[lightest, s.dimension :].all() else r[0] ** 2 / inertia[lightest]
-            largest = max(largest, factor * k[1] * (1.0 / mass[lightest] + turning))
-    return largest
-
-
-def _viscosity(s: ParticleSimulation) -> float:
-    contact, bond = s.features.laws()
-    largest = 0.0
-    tables = [(contact, s.table)] + ([(contact, s.wall_parameters)] if s.assembly.walls else [])
-    if bond is not None:
-        tables.append((bond, s.bond_table))
-    for law, table in tables:
-        for k, name in enumerate(law.PARAMETERS._fields):
-            if name.endswith("_viscosity"):
-                largest = max(largest, float(table[:, k].max()))
-    return largest

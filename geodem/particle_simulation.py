@@ -37,7 +37,6 @@ from .particle_layout import (
     first_rows,
     row_arrays,
 )
-from .particle_network import critical_time_step
 from .particle_reading import BrokenBonds, Contacts, ParticleReading
 from .particle_setup import (
     begin_account,
@@ -54,6 +53,7 @@ from .particle_setup import (
     start_cell,
 )
 from .particle_state import restore, state_tree
+from .particle_step import critical_time_step
 
 __all__ = ["BrokenBonds", "Contacts", "ParticleSimulation", "Sleep", "UnstableError"]
 

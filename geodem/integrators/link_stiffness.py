@@ -1,4 +1,4 @@
-"""Stiffness of many links from the law of contacts or bonds."""
+"""Stiffness and damping of many links from the law of contacts or bonds."""
 
 from __future__ import annotations
 
@@ -66,6 +66,30 @@ def law_stiffness(
     function = in_dimension(law.stiffness, dimension)
     rows = [function(*values) for values in zip(*wanted, strict=True)]
     return np.array(rows, dtype=float).reshape(count, 4)
+
+
+MOVING = {"approach": 1.0, "closing": 1.0, "slip_x": 1.0, "friction_coefficient": 1e30}
+"""One metre a step along the normal and across it, and nothing slides."""
+
+
+def law_damping(law: ModuleType, dimension: int, parameters: Floats, **sizes: Floats) -> Floats:
+    """cn, cs [N s/m] of the dashpots of every link, and two zeros (p, 4); arguments as in `law_stiffness`.
+
+    A dashpot's force is the part that doubles where the same way is gone in half the time.
+    """
+    count = len(sizes["overlap"])
+    given = np.broadcast_to(np.asarray(parameters, dtype=float), (count, np.shape(parameters)[1]))
+    columns = {**dict(zip(law.PARAMETERS._fields, given.T, strict=True)), **sizes}
+    columns |= {name: np.full(count, value) for name, value in MOVING.items()}
+    function = law.viscous if law.VISCOUS else law.force
+    plain = in_dimension(function, dimension)
+    found = np.zeros((2, count, 4))
+    for half, time_step in enumerate((1.0, 0.5)):
+        columns["time_step"] = np.full(count, time_step)
+        wanted = [columns.get(name, np.zeros(count)).tolist() for name in argument_names(function)]
+        for link, values in enumerate(zip(*wanted, strict=True)):
+            found[half, link, :2] = plain(*values)[:2]
+    return np.asarray(found[1] - found[0])
 
 
 @cache

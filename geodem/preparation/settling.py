@@ -13,9 +13,9 @@ import numpy as np
 
 from ..assembly import Assembly
 from ..errors import InputError
-from ..particle_network import critical_time_step
 from ..particle_setup import SAFETY
 from ..particle_simulation import ParticleSimulation
+from ..particle_step import critical_time_step
 
 LOOK = 200
 """Steps between two looks."""

@@ -12,7 +12,17 @@ from geodem.builders.assembly_builder import AssemblyBuilder
 from geodem.builders.packings import lattice
 from geodem.particle_simulation import ParticleSimulation
 
-from .stability_scenes import BESIDE, BONDS, CONTACTS, DENSITY, LATTICES, RADIUS, builder_of, shaken_lattice, weak
+from .stability_scenes import (
+    BESIDE,
+    BONDS,
+    CONTACTS,
+    DENSITY,
+    LATTICES,
+    RADIUS,
+    builder_of,
+    shaken_lattice,
+    weak,
+)
 from .stability_trial import Clock, Trial, ending, refused, trial
 
 SPEEDS = tuple(10.0 ** np.arange(-2.0, 4.5, 0.5))
