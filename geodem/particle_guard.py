@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 DEEPEST = 0.8
-"""Overlap over the smaller radius beyond which two particles, or one and a wall, are about to pass through each other."""
+"""Overlap over the smaller radius beyond which two particles, or one and a wall, are about to pass each other."""
 
 LONGEST_WAY = 0.5
 """Of a particle in one step, over its radius."""
@@ -85,7 +85,7 @@ class Guard:
     # ------------------------------------------------------------------ when
 
     def begin(self, s: ParticleSimulation) -> None:
-        """Keep the state that a motion begins with; what went before, for instance a search for equilibrium, is over."""
+        """Keep the state that a motion begins with; what went before, such as a search for equilibrium, is over."""
         self.since = self.looks = 0
         self._keep(s)
 
@@ -234,7 +234,7 @@ class Guard:
     def before(self, s: ParticleSimulation) -> ParticleSimulation:
         """The kept state as a simulation of its own."""
         assert self.kept is not None
-        return s.in_state(copied(self.kept, None))
+        return s.of_state(s.assembly, copied(self.kept, None), "a state that was kept")
 
 
 def copied(tree: Tree, into: Tree | None) -> Tree:

@@ -232,10 +232,6 @@ class ParticleSimulation(ParticleReading):
         self.guard = Guard(self)
         return self
 
-    def in_state(self, tree: Mapping[str, Any]) -> ParticleSimulation:
-        """Another simulation of the same assembly in the state of a tree (see `particle_state`), which becomes its own."""
-        return self.of_state(self.assembly, tree, "a state that was kept")
-
     def last_good(self) -> ParticleSimulation:
         """The last state that was kept while everything was well, as a simulation of its own; `save` writes it.
 

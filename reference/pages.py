@@ -25,6 +25,8 @@ from reference.pages_frontier import frontier_part, write_frontier_picture
 from reference.pages_gallery import write_gallery
 from reference.pages_laboratory import laboratory_sections
 from reference.pages_particles import particle_sections
+from reference.pages_stability import ORDER, stability_sections, write_order_picture
+from reference.pages_stability import PICTURE as ORDER_PICTURE
 from reference.pages_tables import DILATIONS, METHODS, Row, by_case, groups, number, sizes, table
 
 HELP = "write docs/verification.md, docs/performance.md and docs/gallery.md from what is stored"
@@ -92,6 +94,7 @@ def write_pages(results: Path = RESULTS, docs: Path = DOCS) -> list[Path]:
     drawn = write_engine_picture(engine["frontier"].rows, docs / ENGINE_PICTURE)
     codes = read_results(results / f"{FRONTIER}.json")
     codes_drawn = write_frontier_picture(codes.rows, docs / FRONTIER_PICTURE)
+    order_drawn = write_order_picture(read_results(results / f"{ORDER}.json").rows, docs / ORDER_PICTURE)
     texts = {
         docs / "verification.md": verification_page(
             slopes, ground, lambda name: read_results(results / f"{name}.json"), _other_comparisons(results)
@@ -108,6 +111,7 @@ def write_pages(results: Path = RESULTS, docs: Path = DOCS) -> list[Path]:
         path.write_text(text, encoding="utf-8")
     written = [*texts, *([docs / ENGINE_PICTURE] if drawn else [])]
     written += [docs / FRONTIER_PICTURE] if codes_drawn else []
+    written += [docs / ORDER_PICTURE] if order_drawn else []
     picture = docs / PICTURE
     if _plottable(slopes.rows):
         from reference.pages_chart import error_against_time
@@ -170,6 +174,7 @@ def verification_page(
     else:
         parts += [_header(ground), _ground(ground.rows)]
     parts += particle_sections(particles, _header, NOT_RUN)
+    parts += stability_sections(particles, _header, NOT_RUN)
     parts += body_sections(particles, _header, NOT_RUN)
     parts += laboratory_sections(particles, _header, NOT_RUN)
     parts += compared_sections(particles, _header, NOT_RUN, compared)

@@ -1,4 +1,4 @@
-"""Contrasts, overlaps at the start, chains of bounces: parts of `python -m reference run stability` with energy accounts."""
+"""Contrasts, overlaps at the start, chains of bounces, by energy; part of `python -m reference run stability`."""
 
 from __future__ import annotations
 
@@ -46,7 +46,9 @@ def gas(
         radii[0], sort[0] = big, True
     else:
         cells = (6, 6) if dimension == 2 else (3, 3, 4)
-        places = lattice("square" if dimension == 2 else "simple_cubic", RADIUS, cells=cells, gap=2e-3 * RADIUS).positions
+        places = lattice(
+            "square" if dimension == 2 else "simple_cubic", RADIUS, cells=cells, gap=2e-3 * RADIUS
+        ).positions
         radii = np.full(len(places), RADIUS)
         sort = np.arange(len(places)) % 2 == 1
     mass = DENSITY * (np.pi * radii**2 if dimension == 2 else 4.0 / 3.0 * np.pi * radii**3)
@@ -92,9 +94,10 @@ def contrasts(steps: int = 20_000) -> list[Trial]:
     """Ratios of stiffness, density and size, in 2D and 3D."""
     clock, found = Clock(), []
     kinds: list[tuple[str, str, tuple[float, ...]]] = [
-        ("stiffness", "stiffness ratios to 1e6", RATIOS), ("density", "density ratios to 1e4", DENSITIES),
+        ("stiffness", "stiffness ratios to 1e6", RATIOS),
+        ("density", "density ratios to 1e4", DENSITIES),
         ("size", "size ratios to 100", SIZES),
-    ]  # fmt: skip
+    ]
     for key, title, ratios in kinds:
         for dimension in (2, 3):
             worst, met = 0.0, 0
@@ -108,15 +111,21 @@ def contrasts(steps: int = 20_000) -> list[Trial]:
                     worst = math.inf
             found.append(
                 trial(
-                    f"{title}, {dimension}D", f"largest imbalance of the energy account after {steps} steps", worst, CLOSES,
-                    len(ratios), clock.read(), FIRST_LAW, f"grains slid on each other in {met} of {len(ratios)}",
+                    f"{title}, {dimension}D",
+                    f"largest imbalance of the energy account after {steps} steps",
+                    worst,
+                    CLOSES,
+                    len(ratios),
+                    clock.read(),
+                    FIRST_LAW,
+                    f"grains slid on each other in {met} of {len(ratios)}",
                 )
-            )  # fmt: skip
+            )
     return found
 
 
 def overlapping(share: float, dimension: int, law: str, depth: float = 0.5) -> float:
-    """Kinetic energy of two grains that were pressed into each other by a part of their radius, over what was stored."""
+    """Kinetic energy of two grains that began pressed into each other by a part of their radius, over what was stored."""
     build = builder_of(dimension, law)
     apart = np.zeros((2, dimension))
     apart[1, 0] = (2.0 - depth) * RADIUS
@@ -140,11 +149,15 @@ def overlaps(steps: int = 5000) -> list[Trial]:
         found.append(
             trial(
                 f"two grains created half a radius in one another, {share:g} of critical",
-                "energy of flight over what was stored", max(given), 1.02 * most, len(given), clock.read(),
+                "energy of flight over what was stored",
+                max(given),
+                1.02 * most,
+                len(given),
+                clock.read(),
                 "closed form: at most 1/(1 - x^2), and 2 % for the step in which they part",
                 f"least {min(given):.4f}",
             )
-        )  # fmt: skip
+        )
     worst = []
     for seed in range(5):
         rng = np.random.default_rng(seed)
@@ -158,17 +171,30 @@ def overlaps(steps: int = 5000) -> list[Trial]:
         worst.append(abs(simulation.energy().imbalance))
     found.append(
         trial(
-            "36 discs created half a radius in one another", f"largest imbalance of the energy account after {steps} steps",
-            max(worst), CLOSES, len(worst), clock.read(), FIRST_LAW,
+            "36 discs created half a radius in one another",
+            f"largest imbalance of the energy account after {steps} steps",
+            max(worst),
+            CLOSES,
+            len(worst),
+            clock.read(),
+            FIRST_LAW,
         )
-    )  # fmt: skip
+    )
     messages = []
     for dimension in (2, 3):
         for depth in (0.6, 1.0, 1.9):
             with ending() as stopped:
                 overlapping(SHARE, dimension, "linear_frictional", depth)
             messages.append(stopped.message)
-    found.append(refused("grains created 0.6 to 1.9 radii in one another", "refused", messages, ["particle", "0"], clock.read()))
+    found.append(
+        refused(
+            "grains created 0.6 to 1.9 radii in one another",
+            "refused",
+            messages,
+            ["particle", "0"],
+            clock.read(),
+        )
+    )
     return found
 
 
@@ -217,20 +243,33 @@ def chains() -> list[Trial]:
     struck = [cradle(balls, share) for balls in (2, 5, 20) for share in (0.1, 0.5)]
     return [
         trial(
-            "chains of 5 to 20 bounces, restitution 0.2 to 0.9, 0.02 of critical", "largest error of the last speed",
-            max(off), 0.05, len(off), 0.5 * clock.read(),
+            "chains of 5 to 20 bounces, restitution 0.2 to 0.9, 0.02 of critical",
+            "largest error of the last speed",
+            max(off),
+            0.05,
+            len(off),
+            0.5 * clock.read(),
             "closed form: e^n of a dashpot, Schwager & Poeschel 2007; within half a per cent a bounce",
         ),
         trial(
-            "a stroke through rows of 2 to 20 discs", "largest error of the momentum",
-            max(abs(momentum - 1.0) for momentum, _ in struck), 1e-12, len(struck), clock.read(), "action is reaction",
+            "a stroke through rows of 2 to 20 discs",
+            "largest error of the momentum",
+            max(abs(momentum - 1.0) for momentum, _ in struck),
+            1e-12,
+            len(struck),
+            clock.read(),
+            "action is reaction",
         ),
         trial(
-            "a stroke through rows of 2 to 20 discs", "largest energy over that of the stroke",
-            max(energy for _, energy in struck), 1.02 / (1.0 - 0.25), len(struck), 0.0,
+            "a stroke through rows of 2 to 20 discs",
+            "largest energy over that of the stroke",
+            max(energy for _, energy in struck),
+            1.02 / (1.0 - 0.25),
+            len(struck),
+            0.0,
             "closed form: at most 1/(1 - x^2) at 0.5 of critical, and 2 %",
         ),
-    ]  # fmt: skip
+    ]
 
 
 PARTS: tuple[Callable[[], list[Trial]], ...] = (contrasts, overlaps, chains)

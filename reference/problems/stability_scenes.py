@@ -27,14 +27,17 @@ CONTACTS: dict[str, dict[str, float]] = {
     "hertz": _GLASS,
     "hertz_mindlin": {**_GLASS, "friction_coefficient": 0.5},
     "hertz_mindlin_rolling": {
-        **_GLASS, "friction_coefficient": 0.5, "rolling_friction": 0.3, "twisting_friction": 0.2,
+        **_GLASS,
+        "friction_coefficient": 0.5,
+        "rolling_friction": 0.3,
+        "twisting_friction": 0.2,
     },
     "hertz_dmt": {**_GLASS, "friction_coefficient": 0.5, "work_of_adhesion": 0.1},
     "elastic_frictional": {"young_modulus": 1e9, "stiffness_ratio": 0.5, "friction_coefficient": 0.5},
     "hooke_stiffness": _SPRINGS,
     "hooke": {**_GLASS, "friction_coefficient": 0.5, "restitution": 0.9, "characteristic_velocity": 0.05},
     "hertz_history": {**_GLASS, "friction_coefficient": 0.5, "restitution": 0.9},
-}  # fmt: skip
+}
 """Of every law of contacts."""
 
 _CEMENT = {"tensile_strength": _STRONG, "shear_strength": _STRONG, "friction_coefficient": 0.5}
@@ -45,25 +48,35 @@ BONDS: dict[str, dict[str, float]] = {
     "parallel_bond": {"radius_factor": 1.0, "normal_stiffness": 1e11, "shear_stiffness": 5e10, **_CEMENT},
     "cement": {"radius_factor": 1.0, **_MODULUS, **_CEMENT},
     "rotational_bond": {
-        "normal_stiffness": 1e7, "shear_stiffness": 5e6, "twisting_stiffness": 200.0, "bending_stiffness": 300.0,
-        "tensile_strength": _STRONG, "shear_strength": _STRONG, "twisting_strength": _STRONG,
+        "normal_stiffness": 1e7,
+        "shear_stiffness": 5e6,
+        "twisting_stiffness": 200.0,
+        "bending_stiffness": 300.0,
+        "tensile_strength": _STRONG,
+        "shear_strength": _STRONG,
+        "twisting_strength": _STRONG,
         "bending_strength": _STRONG,
     },
     "rock": {**_MODULUS, **_CEMENT},
     "flat_joint": {**_MODULUS, **_CEMENT, "residual_friction_coefficient": 0.4},
     "cohesive_moments": {
-        **_DISCRETE, "normal_cohesion": _STRONG, "shear_cohesion": _STRONG, "bending_factor": 0.8,
+        **_DISCRETE,
+        "normal_cohesion": _STRONG,
+        "shear_cohesion": _STRONG,
+        "bending_factor": 0.8,
         "twisting_factor": 0.8,
     },
     "jointed_cohesive": {**_DISCRETE, "tensile_strength": _STRONG, "cohesion": _STRONG},
-}  # fmt: skip
+}
 """Of every law of bonds, too strong to break."""
 
 BESIDE = {
-    "cohesive_moments": "elastic_frictional", "jointed_cohesive": "elastic_frictional",
-    "two_springs": "linear_frictional", "rotational_bond": "linear_frictional",
-}  # fmt: skip
-"""Contact laws that go with bond laws, which must not be stiffer than the bonds; `effective_modulus` with the others."""
+    "cohesive_moments": "elastic_frictional",
+    "jointed_cohesive": "elastic_frictional",
+    "two_springs": "linear_frictional",
+    "rotational_bond": "linear_frictional",
+}
+"""Contact laws that go with bond laws and are no stiffer; `effective_modulus` with the others."""
 
 LATTICES = {2: {"square": (6, 6), "hexagonal": (6, 4)}, 3: {"simple_cubic": (4, 4, 4), "fcc": (3, 3, 3)}}
 CLOSED = 1e-3
@@ -80,12 +93,19 @@ CASES = [(contact, bond, d) for contact, bond, d in CASES if d in CONTACT_LAWS[c
 
 
 def builder_of(
-    dimension: int, contact: str, bond: str | None = None, gravity: tuple[float, ...] | None = None, **changed: float
+    dimension: int,
+    contact: str,
+    bond: str | None = None,
+    gravity: tuple[float, ...] | None = None,
+    **changed: float,
 ) -> AssemblyBuilder:
     """A builder with one material, "grain"; `changed` parameters are the contact's."""
     build = AssemblyBuilder(dimension, contact, bond, gravity)
     build.add_material(
-        "grain", density=DENSITY, contact={**CONTACTS[contact], **changed}, bond=None if bond is None else BONDS[bond]
+        "grain",
+        density=DENSITY,
+        contact={**CONTACTS[contact], **changed},
+        bond=None if bond is None else BONDS[bond],
     )
     return build
 
@@ -131,7 +151,9 @@ def noise(assembly: Assembly) -> tuple[np.ndarray, np.ndarray]:
 
 def jointed_block(law: str, dimension: int) -> Assembly:
     """A bonded block, free in space, with a strong joint through its middle, or a bolt along it; shaken."""
-    packing = lattice("hexagonal" if dimension == 2 else "fcc", RADIUS, cells=(8, 5) if dimension == 2 else (4, 3, 3))
+    packing = lattice(
+        "hexagonal" if dimension == 2 else "fcc", RADIUS, cells=(8, 5) if dimension == 2 else (4, 3, 3)
+    )
     places = packing.positions - packing.positions.min(axis=0)
     size = places.max(axis=0)
 
@@ -145,12 +167,24 @@ def jointed_block(law: str, dimension: int) -> Assembly:
         if law == "bolt":
             head = np.append(0.1 * size[:1], 0.5 * size[1:])
             end = np.append(0.9 * size[:1], 0.5 * size[1:])
-            add_bolt(build, "bolt", head, end, Bar(1e6, density_per_length=1.0), Grout(1e8, 1e9), spacing=2.0 * RADIUS)
+            add_bolt(
+                build,
+                "bolt",
+                head,
+                end,
+                Bar(1e6, density_per_length=1.0),
+                Grout(1e8, 1e9),
+                spacing=2.0 * RADIUS,
+            )
             return build.build()
         build.add_joint_material(
-            "joint", normal_stiffness=1e11, shear_stiffness=5e10, friction_coefficient=0.5, cohesion=_STRONG,
+            "joint",
+            normal_stiffness=1e11,
+            shear_stiffness=5e10,
+            friction_coefficient=0.5,
+            cohesion=_STRONG,
             tensile_strength=_STRONG,
-        )  # fmt: skip
+        )
         bounds = np.array([places.min(axis=0) - RADIUS, places.max(axis=0) + RADIUS])
         normal = np.eye(dimension)[0]
         build.cut([plane(0.5 * size + 0.1 * RADIUS, normal, bounds, "joint")], bounds=bounds, within=1.05)

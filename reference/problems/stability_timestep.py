@@ -69,15 +69,25 @@ def one_law(name: str, assemblies: Iterable[Assembly], steps: int, clock: Clock)
     stopped = sum(message not in (None, BOUNDED) for _, message in above)
     return [
         trial(
-            f"time step 0.1 to 0.95 of critical, {name}", f"largest kinetic energy in {steps} steps over that bound",
-            max(below), LINEAR, len(below), clock.read(), SOURCE,
+            f"time step 0.1 to 0.95 of critical, {name}",
+            f"largest kinetic energy in {steps} steps over that bound",
+            max(below),
+            LINEAR,
+            len(below),
+            clock.read(),
+            SOURCE,
         ),
         trial(
-            f"time step {BEYOND} of critical, {name}", "runs that were not refused, or exploded unnoticed when forced",
-            bad, 0.0, 2 * len(above), clock.read(), "a step above the critical one grows without bound",
+            f"time step {BEYOND} of critical, {name}",
+            "runs that were not refused, or exploded unnoticed when forced",
+            bad,
+            0.0,
+            2 * len(above),
+            clock.read(),
+            "a step above the critical one grows without bound",
             f"asked for: refused; forced: {stopped} of {len(above)} stopped with a message, the others made no energy",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def rows(steps: int = 2000, cases: Iterable[tuple[str, str | None, int]] = tuple(CASES)) -> list[Trial]:
@@ -91,7 +101,9 @@ def rows(steps: int = 2000, cases: Iterable[tuple[str, str | None, int]] = tuple
     return found
 
 
-def joints(steps: int = 2000, laws: Iterable[str] = ("smooth_joint", "bolt"), dimensions: Iterable[int] = (2, 3)) -> list[Trial]:
+def joints(
+    steps: int = 2000, laws: Iterable[str] = ("smooth_joint", "bolt"), dimensions: Iterable[int] = (2, 3)
+) -> list[Trial]:
     """Every law of joints, in a bonded block."""
     clock, found = Clock(), []
     for law in laws:

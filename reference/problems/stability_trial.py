@@ -34,7 +34,14 @@ class Trial(NamedTuple):
 
 
 def trial(
-    name: str, quantity: str, value: float, limit: float, count: int, seconds: float, source: str = "", seen: str = ""
+    name: str,
+    quantity: str,
+    value: float,
+    limit: float,
+    count: int,
+    seconds: float,
+    source: str = "",
+    seen: str = "",
 ) -> Trial:
     """A figure that must not lie above a limit, of the worst of `count` attempts."""
     # in this order, what is no number stays none and is not good
@@ -50,9 +57,15 @@ def refused(name: str, what: str, messages: list[str | None], wanted: list[str],
     words = ", ".join(wanted)
     shown = next((message for message in messages if message), "no message")
     return trial(
-        name, f"{what}: attempts without a message that names {words}", silent, 0.0, len(messages), seconds,
-        "every attempt must stop with a message", shown.splitlines()[0][:220],
-    )  # fmt: skip
+        name,
+        f"{what}: attempts without a message that names {words}",
+        silent,
+        0.0,
+        len(messages),
+        seconds,
+        "every attempt must stop with a message",
+        shown.splitlines()[0][:220],
+    )
 
 
 class Ending:

@@ -1,0 +1,57 @@
+"""What geodem survives, in its small form: reference/problems/stability.py."""
+
+from __future__ import annotations
+
+import pytest
+
+from reference.problems import (
+    stability_abuse,
+    stability_contrasts,
+    stability_ground,
+    stability_rest,
+    stability_timestep,
+)
+from tests.verification.rows import check
+
+
+@pytest.mark.parametrize("case", [("linear_frictional", None, 2), ("effective_modulus", "rock", 2)])
+def test_time_step_to_the_critical_one_and_beyond(case):
+    check(*stability_timestep.rows(1000, [case]))
+
+
+def test_restitution_shortens_the_critical_step():
+    """Without its dashpots in the critical step this one exploded at half of it."""
+    check(*stability_timestep.rows(1000, [("hooke", None, 3)]))
+
+
+@pytest.mark.parametrize("part", [stability_contrasts.overlaps, stability_abuse.little, stability_abuse.kept])
+def test_part(part):
+    check(*part())
+
+
+def test_contrasts():
+    check(*stability_contrasts.contrasts(5000))
+
+
+def test_nothing_tunnels():
+    check(*stability_abuse.tunnelling((0.01, 0.3, 3.0, 1e4)))
+
+
+def test_bonds_sheared_at_once():
+    check(*stability_abuse.sheared_bonds(("rock",)))
+
+
+def test_what_must_stop_stops():
+    check(*stability_abuse.stops())
+
+
+def test_rest():
+    check(*stability_rest.rest(20_000))
+
+
+def test_rotation():
+    check(*stability_rest.rotation(1, 2_000))
+
+
+def test_ground():
+    check(*stability_ground.scales())

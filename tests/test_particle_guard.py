@@ -1,0 +1,111 @@
+"""The guard of particle motion: each rule with the particle, the step and the cause; what is kept."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from geodem.boundaries.walls import plane
+from geodem.builders.assembly_builder import AssemblyBuilder
+from geodem.errors import InputError, UnstableError
+from geodem.particle_simulation import ParticleSimulation
+
+SPRING = {"normal_stiffness": 1e6, "shear_stiffness": 5e5, "friction_coefficient": 0.5}
+RADIUS = 0.1
+
+
+def discs(places, *, gravity=(0.0, -10.0), floor=True, velocity=0.0, **options):
+    build = AssemblyBuilder(2, gravity=gravity)
+    build.add_material("grain", density=2000.0, contact=SPRING)
+    build.add_particles(places, RADIUS, "grain", velocity=velocity)
+    if floor:
+        build.add_wall(plane("floor", (0.0, 0.0), (0.0, 1.0)))
+    return ParticleSimulation(build.build(), local_damping=0.5, **options)
+
+
+def resting():
+    return discs([(0.0, 0.1), (0.0, 0.3), (0.5, 0.1)])
+
+
+def test_a_number_that_is_none_is_told_with_its_particle_and_step():
+    s = resting()
+    s.run(100)
+    s.rows[:, list(s.arrays.ids).index(2), s.columns.velocity.start] = math.nan
+    with pytest.raises(UnstableError, match=r"particle 2 .*no finite place or velocity") as found:
+        s.run(20_000)
+    assert found.value.particle == 2
+    assert 100 < found.value.step <= 100 + s.guard.every + 1000
+    assert found.value.last_good == 0
+
+
+def test_the_last_good_state_goes_on_with_the_same_bits(tmp_path):
+    s, other = resting(), resting()
+    s.guard.every = 1000
+    s.run(9000)
+    other.run(9000)
+    s.rows[:, 0, s.columns.velocity.start] = math.nan
+    with pytest.raises(UnstableError, match="state at step 8,000 is kept"):
+        s.run(5000)
+    s.last_good().save(tmp_path / "good.h5")
+    again = ParticleSimulation.resume(tmp_path / "good.h5")
+    assert again.steps == 8000
+    again.run(1000)
+    assert np.array_equal(again.now, other.now)
+
+
+def test_nothing_is_kept_before_the_first_step():
+    with pytest.raises(InputError, match="nothing has moved"):
+        resting().last_good()
+
+
+def test_a_step_longer_than_half_the_radius_is_refused():
+    s = discs([(0.0, 0.2)], velocity=(0.0, -1e4))
+    with pytest.raises(UnstableError, match="in one step, more than half its radius"):
+        s.run(10)
+
+
+@pytest.mark.parametrize("floor", ["plane", "grain"])
+def test_what_a_contact_cannot_stop_is_told_before_it_has_passed(floor):
+    build = AssemblyBuilder(2)
+    build.add_material("grain", density=2000.0, contact=SPRING)
+    (heavy,) = build.add_particles([(0.0, 0.25)], RADIUS, "grain", density=1e9, velocity=(0.0, -30.0))
+    build.add_particles([(5.0, 0.25)], RADIUS, "grain")
+    if floor == "plane":
+        build.add_wall(plane("floor", (0.0, 0.0), (0.0, 1.0)))
+    else:
+        build.hold(build.add_particles([(0.0, 0.0)], RADIUS, "grain"), x=0.0, y=0.0, rotation=0.0)
+    s = ParticleSimulation(build.build())
+    with pytest.raises(UnstableError, match="about to pass through") as found:
+        s.run(100_000)
+    assert found.value.particle == heavy
+    # it is still on its own side
+    assert s.positions[heavy, 1] > 0.0
+
+
+def test_what_falls_for_ever_leaves_the_box():
+    s = discs([(0.0, 0.1)], gravity=(0.0, -0.1), floor=False)
+    with pytest.raises(UnstableError, match="has left the box"):
+        s.run(10_000_000)
+    # 1000 times an extent of at least 100 radii
+    assert s.positions[0, 1] < -1000.0 * 100.0 * RADIUS
+
+
+@pytest.mark.parametrize("energy", [True, False])
+def test_energy_out_of_nothing_is_told(energy):
+    s = discs([(0.0, 0.1), (0.0, 0.3)], energy=energy)
+    s.run(20_000)
+    # grains at rest that are suddenly warm: slow enough for every other rule
+    s.rows[:, :, s.columns.velocity] += 0.5
+    with pytest.raises(UnstableError, match=r"energy"):
+        s.run(20_000)
+
+
+def test_kinetic_energy_of_a_long_fall_and_of_a_released_spring_is_explained():
+    s = discs([(0.0, 20.0)])
+    s.run(12_000)
+    assert s.kinetic_energy() > 0.0
+    spring = discs([(0.0, 0.1), (0.15, 0.1)], gravity=None, floor=False)
+    spring.run(12_000)
+    assert spring.kinetic_energy() > 0.0
