@@ -19,6 +19,7 @@ import numpy as np
 
 from .errors import InputError, StoppedError
 from .io.files import remove_unfinished
+from .errors import InputError, StoppedError, UnstableError
 from .io.history import HistoryWriter, cut_history
 from .io.particle_checkpoint import checkpoint_step
 from .io.particle_frames import remove_later_frames, write_frame
@@ -99,6 +100,8 @@ class Recorder:
 
         Raises
         ------
+        UnstableError
+            The motion has come to mean nothing; ``last_good.h5`` holds the last state that did not.
         StoppedError
             Stopped by Ctrl-C, SIGTERM or `stop_asked`; the checkpoint holds where.
         """
@@ -130,7 +133,11 @@ class Recorder:
             last, *(s.steps + every - s.steps % every for every in (self.history_every, self._frames()))
         )
         begun, done = time.perf_counter(), s.steps
-        s.run(min(due - done, self._part))
+        try:
+            s.run(min(due - done, self._part))
+        except UnstableError:
+            s.last_good().save(self.folder / "last_good.h5")
+            raise
         rate = (s.steps - done) / max(time.perf_counter() - begun, 1e-9)
         # a first call that compiles is slow, so the part may grow tenfold at once
         self._part = max(1, min(int(LOOK_SECONDS * rate), 10 * self._part))

@@ -125,7 +125,7 @@ def contrasts(steps: int = 20_000) -> list[Trial]:
 
 
 def overlapping(share: float, dimension: int, law: str, depth: float = 0.5) -> float:
-    """Kinetic energy of two grains that began pressed into each other by a part of their radius, over what was stored."""
+    """Kinetic energy of two grains that began in each other by a part of their radius, over what was stored."""
     build = builder_of(dimension, law)
     apart = np.zeros((2, dimension))
     apart[1, 0] = (2.0 - depth) * RADIUS
