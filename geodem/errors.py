@@ -114,6 +114,6 @@ class UnstableError(RuntimeError):
         who = "" if particle is None else f", particle {particle}"
         if place is not None:
             who += " at (" + ", ".join(f"{value:.6g}" for value in place) + ") m"
-        kept = "" if last_good is None else f" The state at step {last_good:,} is kept: see last_good()."
+        kept = "" if last_good is None else f" The state at step {last_good:,} is kept: see last_good."
         more = f" ({detail})" if detail else ""
         super().__init__(f"after step {step:,}{who}: {cause}{more}. {remedy}.{kept}")

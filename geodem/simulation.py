@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._jit import ThreadPilot, add_compile_seconds, compile_kernel
+from .errors import UnstableError
 from .integrators.direct_solve import solve_elastic, stiffness
 from .integrators.relaxation import scaled_mass
 from .kernels import stress_particles, supports
@@ -29,6 +30,9 @@ CHUNK = 128
 SERIAL_LIMIT = 400
 """Below this many particles the serial kernel wins: a parallel region costs more than its work."""
 
+KEEP = 1000
+"""Steps between two states that are kept in memory."""
+
 DAMPING_RATIO = 0.5
 """Share of critical damping of the lowest frequency in motion; 0.3 to 0.7 need about the same number of steps."""
 
@@ -39,10 +43,6 @@ class Measures(NamedTuple):
     unbalanced_ratio: float  # root of the sum of squares of unbalanced forces over that of the weights [-]
     mean_displacement: float  # of what moves, see `Simulation.mean_size` [m]
     moving_share: float  # of the section's area, see `Simulation.moving_share` [-]
-
-
-class UnstableError(RuntimeError):
-    """The state became non-finite: a defect of ours, or numbers beyond what float64 can carry."""
 
 
 @dataclass
@@ -73,6 +73,11 @@ class Simulation:
         The elastic state, where a checkpoint holds it; solved if left out.
     kept : (n, 2) [N/m], optional
         Forces beside weight and loads that `set_kept` takes away: those of ground that was excavated.
+
+    Attributes
+    ----------
+    last_good : State
+        A copy of the state at the start, and of every thousandth step or so that was finite.
     """
 
     def __init__(
@@ -172,6 +177,7 @@ class Simulation:
         state.start_elastic = self._stored(state)
         state.start_links = float(state.support[:, 2].sum())
         self.state = state
+        self._kept_at, self.last_good = 0, state.copy()
 
     def _stored(self, state: State) -> float:
         """Elastic energy of ground and links [J/m]."""
@@ -208,7 +214,7 @@ class Simulation:
         Raises
         ------
         UnstableError
-            A force or displacement is no longer finite.
+            A force or displacement is no longer finite; `last_good` is the state of up to `KEEP` steps before.
         """
         model, state = self.model, self.state
         known = len(self._kernel.relax.signatures)
@@ -232,8 +238,16 @@ class Simulation:
         if not (np.isfinite(unbalanced) and np.isfinite(displacement)):
             worst = int(np.argmax(~np.isfinite(state.force).all(axis=1)))
             raise UnstableError(
-                f"step {state.steps}: the force on particle {worst} at {self.model.positions[worst]} m is not finite"
+                "the force on it is not finite",
+                "Look for a stiffness, a strength or a load in the wrong unit; last_good holds the state before",
+                step=state.steps,
+                particle=worst,
+                place=tuple(map(float, self.model.positions[worst])),
+                last_good=self.last_good.steps,
             )
+        self._kept_at += steps
+        if self._kept_at >= KEEP:
+            self._kept_at, self.last_good = 0, state.copy()
         return Measures(
             float(unbalanced) / self.force_scale, displacement, self.moving_share(state.displacement)
         )
