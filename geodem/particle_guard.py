@@ -60,6 +60,9 @@ LOOK_WORK = 1_000_000
 KEEP = 4
 """Looks between two kept states."""
 
+MOST_KEPT = 2**30
+"""A state larger than this is not kept [bytes]: what has filled the memory cannot be there twice."""
+
 
 class Guard:
     """Looks at a simulation now and then, and raises `UnstableError`; keeps the last good state.
@@ -79,6 +82,7 @@ class Guard:
         self.searches = 0
         self.kept: Tree | None = None
         self.kinetic = 0.0
+        self.begun = False
         self.since = 0  # steps since the last look
         self.looks = 0
 
@@ -87,6 +91,7 @@ class Guard:
     def begin(self, s: ParticleSimulation) -> None:
         """Keep the state that a motion begins with; what went before, such as a search for equilibrium, is over."""
         self.since = self.looks = 0
+        self.begun = True
         self._keep(s)
 
     def stepped(self, s: ParticleSimulation, steps: int) -> None:
@@ -227,7 +232,7 @@ class Guard:
     # ------------------------------------------------------------------ the last good state
 
     def _keep(self, s: ParticleSimulation) -> None:
-        self.kept = copied(state_tree(s), self.kept)
+        self.kept = copied(state_tree(s), self.kept) if s.nbytes() <= MOST_KEPT else None
         with np.errstate(all="ignore"):
             self.kinetic = s.kinetic_energy()
 

@@ -244,7 +244,10 @@ class ParticleSimulation(ParticleReading):
             Nothing has moved yet.
         """
         if self.guard.kept is None:
-            raise InputError("last_good", "nothing has moved yet", "Run some steps before")
+            raise InputError(
+                "last_good", "nothing has moved yet, or the state is too large to be kept in memory",
+                "Run some steps before, or save checkpoints on the way",
+            )  # fmt: skip
         return self.guard.before(self)
 
     # ------------------------------------------------------------------ neighbours
@@ -359,7 +362,7 @@ class ParticleSimulation(ParticleReading):
         kernel = self.kernel(self.features)
         if steps > 0 and not self.started:
             self._start()
-        if self.begin_stage(moving=True) or self.guard.kept is None:
+        if self.begin_stage(moving=True) or not self.guard.begun:
             self.guard.begin(self)
         left = steps
         while left > 0:
