@@ -7,7 +7,7 @@ fourth time it is kept. Looking changes no bit of the motion.
 Rules, each with the particle, the step and what to do in its message:
 
 - every place and velocity is finite;
-- in one step no particle goes farther than half its own radius, so that nothing is passed through unseen (pairs are
+- in one step no particle goes farther than 0.4 of its own radius, so that nothing is passed through unseen (pairs are
   listed anew before the next forces, so the buffer of the list is no limit);
 - where particles are fast enough to press a contact by their whole radius, none is pressed deeper than `DEEPEST`;
 - no particle leaves a box far around everything that was there at the start;
@@ -45,8 +45,8 @@ Floats = NDArray[np.float64]
 DEEPEST = 0.8
 """Overlap over the smaller radius beyond which two particles, or one and a wall, are about to pass each other."""
 
-LONGEST_WAY = 0.5
-"""Of a particle in one step, over its radius."""
+LONGEST_WAY = 0.4
+"""Of a particle in one step, over its radius: what passes through something is seen at between `DEEPEST` and 1.2."""
 
 EXPLOSION = 10.0
 """Kinetic energy over all that can have become it."""
@@ -160,8 +160,8 @@ class Guard:
         if ways[worst] > LONGEST_WAY * radius[worst]:
             raise self.error(
                 s, worst,
-                f"it goes {ways[worst]:.3g} m in one step, more than half its radius of {radius[worst]:.3g} m, and may "
-                "pass through particles or walls unseen",
+                f"it goes {ways[worst]:.3g} m in one step, more than {LONGEST_WAY:g} of its radius of "
+                f"{radius[worst]:.3g} m, and may pass through particles or walls unseen",
                 "Take a shorter time step, or look for what drives it: a step that is too long, an overlap at the "
                 "start, a velocity or load in the wrong unit",
             )  # fmt: skip
