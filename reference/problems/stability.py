@@ -8,7 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from . import stability_abuse, stability_contrasts, stability_ground, stability_rest, stability_timestep
+from . import (
+    stability_abuse,
+    stability_contrasts,
+    stability_ground,
+    stability_rest,
+    stability_stops,
+    stability_timestep,
+)
 from .stability_trial import Trial
 
 PARTS: Sequence[Callable[[], list[Trial]]] = (
@@ -16,6 +23,7 @@ PARTS: Sequence[Callable[[], list[Trial]]] = (
     stability_timestep.joints,
     *stability_contrasts.PARTS,
     *stability_abuse.PARTS,
+    *stability_stops.PARTS,
     *stability_rest.PARTS,
     *stability_ground.PARTS,
 )

@@ -9,6 +9,7 @@ from reference.problems import (
     stability_contrasts,
     stability_ground,
     stability_rest,
+    stability_stops,
     stability_timestep,
 )
 from tests.verification.rows import check
@@ -24,7 +25,7 @@ def test_restitution_shortens_the_critical_step():
     check(*stability_timestep.rows(1000, [("hooke", None, 3)]))
 
 
-@pytest.mark.parametrize("part", [stability_contrasts.overlaps, stability_abuse.little, stability_abuse.kept])
+@pytest.mark.parametrize("part", [stability_contrasts.overlaps, stability_stops.little, stability_stops.kept])
 def test_part(part):
     check(*part())
 
@@ -42,7 +43,7 @@ def test_bonds_sheared_at_once():
 
 
 def test_what_must_stop_stops():
-    check(*stability_abuse.stops())
+    check(*stability_stops.stops())
 
 
 def test_rest():
