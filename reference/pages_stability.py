@@ -51,7 +51,7 @@ def _battery(rows: Sequence[Row]) -> str:
     lines = [
         [
             str(row["name"]),
-            str(row["count"]),
+            str(row["attempts"]),
             str(row["quantity"]),
             number(row["expected"], 3),
             number(row["value"], 3),
@@ -62,7 +62,7 @@ def _battery(rows: Sequence[Row]) -> str:
         for row in rows
     ]
     good = sum(bool(row["good"]) for row in rows)
-    tried = sum(int(row["count"]) for row in rows)
+    tried = sum(int(row["attempts"]) for row in rows)
     return f"{good} of {len(lines)} lines, {tried:,} attempts, lie within their bounds.\n\n" + table(
         HEAD, lines
     )

@@ -24,7 +24,7 @@ class Trial(NamedTuple):
     bound: float
     seconds: float
     source: str = ""
-    count: int = 1
+    attempts: int = 1
     seen: str = ""
 
     @property
