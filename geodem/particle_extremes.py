@@ -136,7 +136,7 @@ def _sum_of_energies(
 
 
 def supplied(before: ParticleSimulation, s: ParticleSimulation) -> float:
-    """Sizes of the work of loads, driven particles, walls and the cell since `before` [J]; more than they add up to."""
+    """Sizes of the work of loads, walls and the cell since `before` [J]; more than they add up to."""
     d, a = s.dimension, s.assembly
     ways = s.positions - before.positions
     work = float(np.abs(a.mass[:, None] * a.gravity * ways).sum())
@@ -151,9 +151,6 @@ def supplied(before: ParticleSimulation, s: ParticleSimulation) -> float:
             else:
                 spin = np.abs(each.spins) * (s.time - before.time)
                 work += float(np.abs(applied[:, d:] * spin).sum())
-    for each in (before, s):
-        speed = np.hstack([each.velocities, each.spins])
-        work += (s.time - before.time) * float(np.abs(each.forces * speed)[a.held].sum())
     if a.walls:
         work += float(np.abs(s.walls.work() - before.walls.work()).sum())
     if s.cell is not None and before.cell is not None:
