@@ -333,7 +333,9 @@ class _Search:
             ratio = balance(s)
             if not math.isfinite(ratio) and not np.isfinite(s.now).all():
                 raise UnstableError(
-                    "the relaxation has lost a particle: forces beyond what float64 can carry"
+                    "the relaxation has lost a particle: forces beyond what float64 can carry",
+                    "Look for particles that were pressed into one another, and for loads in the wrong unit",
+                    step=s.steps,
                 )
             if progress is not None:
                 progress(self.steps, ratio)

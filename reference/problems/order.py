@@ -12,7 +12,7 @@ import itertools
 import math
 import time
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,7 +90,7 @@ def measured(name: str, moving: Moving, expected: float, source: str) -> Order:
 def lattice_motion(assembly: Assembly, **damping: float) -> Moving:
     """Places of a shaken lattice after `SPAN`; damping [1/critical step, critical steps, -] by its name."""
     plain = ParticleSimulation(assembly, energy=not damping, orientation=False).critical_time_step
-    given = dict(damping)
+    given: dict[str, Any] = dict(damping)
     if "global_damping" in given:
         given["global_damping"] /= plain
     if "stiffness_damping" in given:

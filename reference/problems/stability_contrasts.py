@@ -93,17 +93,17 @@ def _with_share(build: AssemblyBuilder, share: float, *, energy: bool = True) ->
 def contrasts(steps: int = 20_000) -> list[Trial]:
     """Ratios of stiffness, density and size, in 2D and 3D."""
     clock, found = Clock(), []
-    kinds: list[tuple[str, str, tuple[float, ...]]] = [
-        ("stiffness", "stiffness ratios to 1e6", RATIOS),
-        ("density", "density ratios to 1e4", DENSITIES),
-        ("size", "size ratios to 100", SIZES),
+    kinds: list[tuple[Callable[[int, float], ParticleSimulation], str, tuple[float, ...]]] = [
+        (lambda d, ratio: gas(d, stiffness=ratio), "stiffness ratios to 1e6", RATIOS),
+        (lambda d, ratio: gas(d, density=ratio), "density ratios to 1e4", DENSITIES),
+        (lambda d, ratio: gas(d, size=ratio), "size ratios to 100", SIZES),
     ]
-    for key, title, ratios in kinds:
+    for made, title, ratios in kinds:
         for dimension in (2, 3):
             worst, met = 0.0, 0
             for ratio in ratios:
                 with ending() as stopped:
-                    simulation = gas(dimension, **{key: ratio})
+                    simulation = made(dimension, ratio)
                     simulation.run(steps)
                     worst = max(worst, abs(simulation.energy().imbalance))
                     met += int(simulation.energy().friction > 0.0)

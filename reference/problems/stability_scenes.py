@@ -78,13 +78,18 @@ BESIDE = {
 }
 """Contact laws that go with bond laws and are no stiffer; `effective_modulus` with the others."""
 
-LATTICES = {2: {"square": (6, 6), "hexagonal": (6, 4)}, 3: {"simple_cubic": (4, 4, 4), "fcc": (3, 3, 3)}}
+LATTICES: dict[int, dict[str, tuple[int, ...]]] = {
+    2: {"square": (6, 6), "hexagonal": (6, 4)},
+    3: {"simple_cubic": (4, 4, 4), "fcc": (3, 3, 3)},
+}
 CLOSED = 1e-3
 """Overlap of contacts in a pressed lattice, over the diameter."""
 SHAKEN = 0.05
 """Share of that overlap by which the shaking alternates, so that every contact stays closed."""
 
-CASES = [(name, None, d) for name in CONTACTS for d in CONTACT_LAWS[name].DIMENSIONS]
+CASES: list[tuple[str, str | None, int]] = [
+    (name, None, d) for name in CONTACTS for d in CONTACT_LAWS[name].DIMENSIONS
+]
 CASES += [
     (BESIDE.get(name, "effective_modulus"), name, d) for name in BONDS for d in BOND_LAWS[name].DIMENSIONS
 ]
