@@ -177,7 +177,6 @@ class ParticleSimulation(ParticleReading):
         self.time_step = choose_time_step(self.critical_time_step, time_step)
         self.span = self.time_step
         choose_servo_gains(self)
-        self.guard = Guard(self)
 
     def _ready(self) -> None:
         """What a simulation needs beside its state."""
@@ -186,6 +185,14 @@ class ParticleSimulation(ParticleReading):
         self._old_row_of_new: NDArray[np.int64] | None = None
         self._kernels: dict[Features, ModuleType] = {}
         self._pilot = ThreadPilot()
+        self._guard: Guard | None = None
+
+    @property
+    def guard(self) -> Guard:
+        """What watches over the motion."""
+        if self._guard is None:
+            self._guard = Guard(self)
+        return self._guard
 
     # ------------------------------------------------------------------ checkpoints
 
@@ -229,7 +236,6 @@ class ParticleSimulation(ParticleReading):
         self = cls.__new__(cls)
         restore(self, assembly, tree, place)
         self._ready()
-        self.guard = Guard(self)
         return self
 
     def last_good(self) -> ParticleSimulation:

@@ -101,7 +101,7 @@ SPLIT = {"moved", "carried", "force"}
 """Bounds that are summed batch by batch, so the last bit of the sum tells where batches ended; and resultants, which
 are kept of the last step of a batch only, where a part that sleeps has none."""
 # the guard looks from outside, and keeps what its own calls began with
-NOT_STATE = {"_kernels", "_pilot", "guard", "halo_force"}
+NOT_STATE = {"_kernels", "_guard", "_pilot", "halo_force"}
 
 
 def parts(value, name=""):
