@@ -17,9 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from .errors import InputError, StoppedError
-from .io.files import remove_unfinished
 from .errors import InputError, StoppedError, UnstableError
+from .io.files import remove_unfinished
 from .io.history import HistoryWriter, cut_history
 from .io.particle_checkpoint import checkpoint_step
 from .io.particle_frames import remove_later_frames, write_frame
