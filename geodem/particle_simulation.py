@@ -335,8 +335,10 @@ class ParticleSimulation(ParticleReading):
         """Share of the pairs that lie across chunks."""
         return self.halo.across / max(self.pairs.pairs, 1)
 
-    def _look(self) -> None:
-        """Search anew where particles may have moved too far."""
+    def keep_listed(self) -> None:
+        """Make the pair list anew where what moved since it was made may have come near what it does not name."""
+        if self.moved + self.carried <= self.buffer:
+            return
         # the bound counts every swing; what counts is where the particles are
         reference = self.reference if self.cell is None else self.cell.carried_along(self.reference)
         self.moved = 2.0 * max_displacement(self.now, reference)
@@ -373,8 +375,7 @@ class ParticleSimulation(ParticleReading):
         left = steps
         while left > 0:
             # rows may be sorted anew here: before inverse masses by row are handed over
-            if not self.moved + self.carried <= self.buffer:
-                self._look()
+            self.keep_listed()
             # what was interrupted before its first step still has that one to come
             first = self.span != self.time_step
             done, _ = self.batch(
@@ -462,8 +463,7 @@ class ParticleSimulation(ParticleReading):
         Of the first step, `lapse` is how long things have moved since the laws were last asked [s], and `span` how long
         its forces act; the time step where they are left out.
         """
-        if not self.moved + self.carried <= self.buffer:
-            self._look()
+        self.keep_listed()
         known = len(kernel.advance.signatures)
         threads, most = self._pilot.choose() if self.parallel else (1, steps)
         given = (

@@ -321,15 +321,15 @@ class _Search:
             return ""
         looks, look_for_fall = 0, FIRST_FALL
         while self.steps < most_steps:
-            if self.searches != s.searches:
-                self._scale_inertia()
             left = min(LOOK, most_steps - self.steps)
             while left > 0:
+                # before the steps: where a batch of them ends is up to the clock, which no bit may depend on
+                s.keep_listed()
+                if self.searches != s.searches:
+                    self._scale_inertia()
                 done = self._step(left, math.inf, self.inverse)
                 left -= done
                 self.steps += done
-                if self.searches != s.searches:
-                    break
             ratio = balance(s)
             if not math.isfinite(ratio) and not np.isfinite(s.now).all():
                 raise UnstableError(

@@ -7,6 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from geodem._jit import ThreadPilot
+from geodem.boundaries import walls
 from geodem.builders.assembly_builder import AssemblyBuilder
 from geodem.particle_simulation import ParticleSimulation
 from geodem.particle_statics import find_equilibrium
@@ -95,3 +97,34 @@ def test_a_thousand_discs_rest_where_slow_damped_motion_ends(solve):
     assert quick.broken == 0
     assert np.abs(quick.displacements - slow.displacements).max() < 1e-4 * largest
     assert quick.steps < slow.steps / (100 if solve else 5)
+
+
+def heap():
+    """Unequal discs on a loose square lattice between walls: they fall together."""
+    builder = AssemblyBuilder(2, "linear_frictional", gravity=(0.0, -9.81))
+    spring = {"normal_stiffness": 1e7, "shear_stiffness": 5e6, "friction_coefficient": 0.3}
+    builder.add_material("m", density=2000.0, contact=spring)
+    chance = np.random.default_rng(3)
+    places = np.stack(np.meshgrid(np.arange(25.0), np.arange(20.0)), axis=-1).reshape(-1, 2) + 0.5
+    builder.add_particles(
+        places + chance.uniform(-0.05, 0.05, places.shape), chance.uniform(0.3, 0.44, 500), "m"
+    )
+    builder.add_wall(walls.box("box", (0.0, 0.0), (25.0, 40.0)))
+    return builder.build()
+
+
+def test_rest_does_not_depend_on_where_batches_of_steps_end(monkeypatch):
+    monkeypatch.setattr(ThreadPilot, "learn", lambda pilot, seconds: None)
+
+    def found(most):
+        monkeypatch.setattr(ThreadPilot, "choose", lambda pilot: (1, most))
+        simulation = ParticleSimulation(heap())
+        answer = find_equilibrium(simulation, solve=False, most_steps=2000)
+        return answer.steps, simulation.searches, simulation.positions
+
+    steps, searches, places = found(10_000)
+    assert searches > 3
+    for most in (3, 70):
+        again, searched, there = found(most)
+        assert (again, searched) == (steps, searches)
+        assert np.array_equal(there, places)
