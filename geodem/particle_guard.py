@@ -237,7 +237,8 @@ class Guard:
     def _keep(self, s: ParticleSimulation) -> None:
         self.kept = copied(state_tree(s), self.kept) if s.nbytes() <= MOST_KEPT else None
         with np.errstate(all="ignore"):
-            self.kinetic = s.kinetic_energy()
+            # before the first step nobody knows what contacts store
+            self.kinetic = s.kinetic_energy() if s.steps > 0 else math.inf
 
     def before(self, s: ParticleSimulation) -> ParticleSimulation:
         """The kept state as a simulation of its own."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,10 @@ CREEP = 1e-6
 """Way of the mean particle over its radius, at rest and damped."""
 HEAT = 1e-12
 """Kinetic energy over the weight of all times a radius, at rest and damped."""
+PACKS = ((2, "linear_frictional"), (3, "linear_frictional"))
+"""Dimension and contact law of the packs at rest."""
+BODIES = (("two_springs", 2), ("rock", 2), ("rock", 3), ("parallel_bond", 3))
+"""Bond law and dimension of the bodies that turn."""
 UNSTRESSED = 1e-8
 """Strain by shear of a body that is turned as a whole: force over stiffness and diameter [-]."""
 
@@ -49,10 +54,10 @@ def pack(dimension: int, law: str) -> ParticleSimulation:
     return simulation
 
 
-def rest(steps: int = MILLION) -> list[Trial]:
+def rest(steps: int = MILLION, packs: Sequence[tuple[int, str]] = PACKS) -> list[Trial]:
     """Creep and heat of packs at rest."""
     clock, found = Clock(), []
-    for dimension, law in ((2, "linear_frictional"), (3, "hertz_mindlin")):
+    for dimension, law in packs:
         simulation = pack(dimension, law)
         start = simulation.positions
         weight = float(simulation.assembly.mass.sum()) * 9.81 * RADIUS
@@ -117,10 +122,12 @@ def _rotated(places: Floats, axis: Floats, angle: float) -> Floats:
     return np.asarray(along + math.cos(angle) * across + math.sin(angle) * np.cross(axis, places))
 
 
-def rotation(turns: int = 10, finest: int = 10_000) -> list[Trial]:
+def rotation(
+    turns: int = 10, finest: int = 10_000, bodies: Sequence[tuple[str, int]] = BODIES
+) -> list[Trial]:
     """Bonded bodies through many turns."""
     clock, found = Clock(), []
-    for bond, dimension in (("two_springs", 2), ("rock", 2), ("rock", 3), ("parallel_bond", 3)):
+    for bond, dimension in bodies:
         with ending() as stopped:
             strain = turned(bond, dimension, turns, finest)
             coarse = turned(bond, dimension, turns, finest // 10)
