@@ -101,8 +101,8 @@ def draw(path: Path, frames: list[ParticleFrame], fell: np.ndarray, line: float)
             reach, start[1] - (reach - start[0]) * math.tan(line), color=SOFT, linewidth=1.0, linestyle="--"
         )
         axes.text(
-            76.0, start[1] - (76.0 - start[0]) * math.tan(line) + 2.0, "energy line of rolling friction", color=SOFT,
-            fontsize=8.5, ha="center",
+            62.0, start[1] - (62.0 - start[0]) * math.tan(line) + 2.0, "energy line of the rolling friction",
+            color=SOFT, fontsize=8.5,
         )  # fmt: skip
         axes.set_aspect("equal")
         axes.set_xlim(VIEW[:2])
