@@ -97,8 +97,6 @@ def site_figure(site: Site, colour: str, title: str, *, cracks: bool = True) -> 
     s = copy.copy(site.simulation)
     s.assembly = replace(s.assembly, positions=site.settled[site.number])
     figure = particle_figure(s, colour=colour, cracks=cracks, title=title)
-    # two lines of names below take the room of the title
-    figure.set_size_inches(figure.get_figwidth(), figure.get_figheight() + 0.3)
     if s.dimension == 2:
         _mark_points(figure.axes[0], site)
     return figure

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -95,6 +96,12 @@ def write_particle_picture(
     return picture
 
 
+NAMES_IN_A_LINE = 5
+
+LINE_OF_NAMES = 0.25
+"""Height of a line of the legend [inch]."""
+
+
 def particle_figure(
     simulation: ParticleReading,
     *,
@@ -134,9 +141,11 @@ def particle_figure(
     if colouring.colours is not None:
         _colour_bar(figure, axes, colouring)
     if handles:
-        figure.legend(
-            handles=handles, loc="outside lower center", ncols=min(len(handles), 5), columnspacing=1.6
-        )
+        columns = min(len(handles), NAMES_IN_A_LINE)
+        figure.legend(handles=handles, loc="outside lower center", ncols=columns, columnspacing=1.6)
+        # the layout gives lines of names the room of the title
+        more = LINE_OF_NAMES * math.ceil(len(handles) / columns) if s.dimension == 2 else 0.0
+        figure.set_size_inches(figure.get_figwidth(), figure.get_figheight() + more)
     return figure
 
 
