@@ -14,7 +14,7 @@ from geodem import units
 from tests.small_cases import ROOT, environment, result_of
 
 WORKFLOWS = ROOT / "workflows"
-NAMES = ("rock_slope", "frame_on_rock", "frame_over_cavern")
+NAMES = ("rock_slope", "bolted_slope", "frame_on_rock", "frame_over_cavern")
 
 
 @pytest.mark.parametrize("name", NAMES)
