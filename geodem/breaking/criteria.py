@@ -46,6 +46,8 @@ class Criteria:
         Step limit per particle along a side of as many particles: waves need about two steps to pass one.
     ramp_per_length : float
         The same of the steps in which loads or strength change.
+    longer : int
+        Times that a trial of which nobody can tell goes on for as many steps again.
     """
 
     rest: float = 1e-4
@@ -57,6 +59,7 @@ class Criteria:
     growing: float = 0.7
     steps_per_length: float = 200.0
     ramp_per_length: float = 20.0
+    longer: int = 2
 
     def most_steps(self, particles: int, dimension: int) -> int:
         """Step limit of a trial after its ramp."""

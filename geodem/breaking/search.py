@@ -167,7 +167,7 @@ class Search:
             watcher.told(f"factor {factor:.4g}, being reached")
             site.ramp(lambda share: method.apply(site, first + share * (factor - first)), ramp, watcher)
         method.apply(site, factor)
-        most = criteria.most_steps(*size)
+        most = limit = criteria.most_steps(*size)
         since = site.positions_of_all()
         looks: list[tuple[int, float, float]] = []
         answer = None
@@ -177,6 +177,8 @@ class Search:
             way = most_moved(ways, criteria.moving_share)
             looks.append((len(looks) * BATCH + BATCH, s.unbalanced_ratio(), way))
             answer = criteria.judge(looks, site.diameter, most)
+            if answer is not None and answer[0] == "undecided" and most <= criteria.longer * limit:
+                most, answer = most + limit, None
             watcher.told(
                 f"factor {factor:.4g}, {looks[-1][0]:,} of at most {most:,} steps, "
                 f"moved {way / site.diameter:.2g} diameters"

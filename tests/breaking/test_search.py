@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from geodem.breaking.criteria import Criteria
@@ -72,3 +74,20 @@ def test_a_stop_within_a_trial_loses_that_trial_alone(base):
         search.run(Stopping())
     assert search.trials == []
     assert len(base["origin"]) == LINKS
+
+
+def test_a_trial_of_which_nobody_can_tell_is_given_more_time(base):
+    def first_trial(criteria):
+        plan = SearchPlan("gravity-increase", start=0.9 * FACTOR, tolerance=1.0, criteria=criteria)
+        search = Search(plan, base)
+        search.run(Silent())
+        return search.trials[0]
+
+    patient = first_trial(CRITERIA)
+    assert patient.verdict == "stable"
+    hasty = replace(CRITERIA, balanced=0.0, growing=10.0, steps_per_length=patient.steps / 2.5 / LINKS**0.5)
+    given_up = first_trial(replace(hasty, longer=0))
+    assert given_up.verdict == "undecided"
+    decided = first_trial(hasty)
+    assert (decided.verdict, decided.steps) == ("stable", patient.steps)
+    assert decided.steps > given_up.steps
