@@ -4,6 +4,7 @@ The rock is that of workflows/rock_cutting: weak, with bonds as the calibration 
 strength of 15 MPa, a tensile one of 2 MPa and a friction angle of 32 degrees. Brittle rock is Darley Dale sandstone
 (80 MPa and 3.85 MPa, 40.6 degrees), from the same map. Broken grains do not roll freely (rolling friction 1): discs
 that roll between chip and face bear it like rollers, and the force on the face is then that of a smoother tool.
+Means of several packings: one alone gives a force of a few chips.
 """
 
 from __future__ import annotations
@@ -11,8 +12,10 @@ from __future__ import annotations
 import itertools
 import math
 import time
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -29,13 +32,20 @@ from .rows import Row, at_most, relative
 WORKFLOWS = Path(__file__).resolve().parents[2] / "workflows"
 DEPTHS = (2.0, 3.0, 4.0, 5.0, 6.0)
 """[mm], and mean diameters, about."""
-BRITTLE_DEPTHS = (2.0, 4.0, 6.0)
-SEEDS = (1, 2)
+BRITTLE_DEPTHS = (1.25, 2.5, 5.0, 10.0)
+"""[mm]. Toughness is about the bonds' tensile strength times the root of pi and the mean radius (Potyondy & Cundall
+2004, Int. J. Rock Mech. Min. Sci. 41:1329-1364), 0.3 MPa m^0.5; over the strength and squared it is 0.014 mm (weak
+rock: 0.11 mm), so that all depths that grains of 1 mm can show should lie on the brittle side."""
+SEEDS = (1, 2, 3, 4, 5)
+FEW = (1, 2, 3)
 RAKES = (-15.0, 0.0, 30.0)
 STRENGTH, TENSION, FRICTION = 15e6, 2e6, math.radians(32.0)
 ANGLE = 3.0
 """Largest difference of the force's direction on the face [deg]."""
-P19 = "CASES P19: force on the face inclined by the friction angle to its normal"
+LENGTH, HEIGHT, WAY, ENTRY = 9.0, 4.0, 4.0, 1.25
+"""Block, way and entry over the depth: blocks of all depths are similar."""
+FACE = "Merchant 1944, J. Appl. Phys. 16:267-275: friction angle of the face less its rake"
+LINEAR = "linear in depth: Evans & Pomeroy 1966; Merchant 1944; Nishimatsu 1972"
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +60,14 @@ class Measured:
     def cutting(self) -> float:
         """Mean cutting force [N/m]."""
         return self.found.cutting.mean
+
+    @property
+    def peaks(self) -> float:
+        """Mean of the peaks of every stretch as long as the depth [N/m]."""
+        return self.found.cutting.peaks
+
+
+Group = Sequence[Measured]
 
 
 def case_of(name: str) -> CuttingCase:
@@ -68,16 +86,20 @@ def changed(
     seed: int = 1,
     material: BondedMaterial | None = None,
 ) -> CuttingCase:
-    """The same with another depth [m], rake, friction angle of the tool [rad], speed [m/s], packing or rock."""
+    """In a block to its depth [m]; with another rake, tool's friction angle [rad], speed [m/s], packing or rock."""
     plan = case.plan
     tool = replace(
         plan.tool,
         rake=plan.tool.rake if rake is None else rake,
         friction_angle=plan.tool.friction_angle if friction is None else friction,
     )
-    plan = replace(plan, tool=tool, depth=plan.depth if depth is None else depth, frames=4)
+    deep = plan.depth if depth is None else depth
+    plan = replace(plan, tool=tool, depth=deep, distance=WAY * deep, entry=ENTRY * deep, frames=4)
     plan = replace(plan, speed=plan.speed if speed is None else speed)
-    scene = replace(case.scene, particles=replace(case.scene.particles, seed=seed))
+    # never so short that the tool's floor and what is held at the ends meet
+    box = (max(LENGTH * deep, 20e-3), max(HEIGHT * deep, 9e-3))
+    source = replace(case.scene.source, options=dict(case.scene.source.options) | {"box": box})
+    scene = replace(case.scene, source=source, particles=replace(case.scene.particles, seed=seed))
     if material is not None:
         scene = replace(scene, materials={name: replace(material, name=name) for name in scene.materials})
     return replace(case, plan=plan, scene=scene)
@@ -108,62 +130,104 @@ def brittle(case: CuttingCase) -> BondedMaterial:
     return BondedMaterial(2250.0, bond, contact, contact_law=weak.contact_law)
 
 
-def face_row(name: str, one: Measured, case: CuttingCase) -> Row:
-    """Direction of the mean force on the face beside friction angle less rake."""
+def seconds(groups: Iterable[Group]) -> float:
+    """Of all their cuts [s]."""
+    return sum(one.seconds for group in groups for one in group)
+
+
+def mean(group: Group, what: str) -> float:
+    """Of the packings, of `what` (`cutting` or `peaks`) [N/m]."""
+    return float(np.mean([getattr(one, what) for one in group]))
+
+
+def scatter(group: Group, what: str) -> float:
+    """Standard deviation between packings over their mean [-]."""
+    return float(np.std([getattr(one, what) for one in group], ddof=1)) / mean(group, what)
+
+
+def face_row(name: str, group: Group, case: CuttingCase) -> Row:
+    """Direction of the mean force of all packings on the face beside friction angle less rake."""
     tool = case.plan.tool
     expected = math.degrees(tool.friction_angle - tool.rake)
-    angle = math.degrees(one.found.face_angle)
+    cutting, normal = np.mean([one.found.parts["face"] for one in group], axis=0)
+    angle = math.degrees(math.atan2(normal, cutting))
     what = "angle of the force on the face to the path (difference) [deg]"
-    return Row(name, what, angle, expected, angle - expected, ANGLE, one.seconds, P19)
+    return Row(name, what, angle, expected, angle - expected, ANGLE, seconds([group]), FACE)
 
 
-def depth_rows(name: str, cuts: dict[float, list[Measured]]) -> list[Row]:
-    """Straight line through the cutting forces, and the power of the specific energy."""
-    depth = np.array([key for key, group in cuts.items() for _ in group])
-    force = np.array([one.cutting for group in cuts.values() for one in group]) * 1e-3
-    mean = np.array([np.mean([one.cutting for one in group]) for group in cuts.values()]) * 1e-3
-    each = np.array(list(cuts))
-    seconds = sum(one.seconds for group in cuts.values() for one in group)
-    slope, intercept = np.polyfit(each, mean, 1)
-    missed = float(((mean - slope * each - intercept) ** 2).sum() / ((mean - mean.mean()) ** 2).sum())
-    power = float(np.polyfit(np.log(depth), np.log(force / depth), 1)[0])
-    source = "CASES P19: cutting force linear in depth where rock is ductile"
-    rows = [
-        Row(name, "R2 of the line through mean cutting forces (difference)", 1.0 - missed, 1.0, -missed, 0.05,
-            seconds, source),
-        Row(name, "its intercept over the force at the largest depth (difference)", float(intercept / mean[-1]), 0.0,
-            float(intercept / mean[-1]), 0.2, 0.0, "no force without depth"),
-        Row(name, "power of depth in the specific energy (difference)", power, 0.0, power, 0.25, 0.0,
-            "ductile: 0; Richard, Dagrain, Poyol & Detournay 2012, Eng. Geol. 147:91-100"),
+def line_rows(name: str, cuts: Mapping[float, Group], what: str, words: str) -> list[Row]:
+    """Straight line through the means of all packings."""
+    depth = np.array(list(cuts))
+    force = np.array([mean(group, what) for group in cuts.values()])
+    slope, intercept = np.polyfit(depth, force, 1)
+    missed = float(((force - slope * depth - intercept) ** 2).sum() / ((force - force.mean()) ** 2).sum())
+    between = float(np.mean([scatter(group, what) for group in cuts.values()]))
+    told = f"{LINEAR}; {len(SEEDS)} packings a depth, which scatter by {100.0 * between:.0f} %"
+    over = float(intercept / force[-1])
+    return [
+        Row(name, f"R2 of the line through {words} (difference)", 1.0 - missed, 1.0, -missed, 0.05,
+            seconds(cuts.values()), told),
+        Row(name, f"intercept of the line through {words} over its value at the largest depth (difference)", over, 0.0,
+            over, 0.2, 0.0, "no force without depth"),
     ]  # fmt: skip
+
+
+def power(cuts: Mapping[float, Group]) -> float:
+    """Of depth in the specific energy, by the means of all packings [-]."""
+    energy = [np.mean([one.found.specific_energy for one in group]) for group in cuts.values()]
+    return float(np.polyfit(np.log(list(cuts)), np.log(energy), 1)[0])
+
+
+def formula_row(
+    name: str, group: Group, what: str, words: str, expected: float, bound: float, source: str
+) -> Row:
+    """log10 of a force over that of a formula."""
+    ratio = mean(group, what) / expected
+    return Row(name, f"log10 of {words} over {source.split(' ')[0]}'s (difference)", math.log10(ratio), 0.0,
+               math.log10(ratio), bound, 0.0,
+               f"class D, factor {ratio:.2f} of {expected / 1e3:.4g} kN/m: {source}")  # fmt: skip
+
+
+def rake_rows(cuts: Mapping[float, Group], case: CuttingCase) -> list[Row]:
+    """The force falls with the rake, and stands beside the formulae."""
+    rakes = sorted(cuts)
+    rows = []
+    for what, words in (("cutting", "the mean cutting force"), ("peaks", "the peaks of the cutting force")):
+        forces = [mean(cuts[rake], what) for rake in rakes]
+        rising = sum(later >= earlier for earlier, later in itertools.pairwise(forces))
+        rows.append(
+            Row("rake", f"steps from -15 to 30 deg at which {words} do not fall", rising, 0.0, rising, 0.0,
+                seconds(cuts.values()), "class D: falls with the rake, Merchant 1944; Nishimatsu 1972")
+        )  # fmt: skip
+        friction = case.plan.tool.friction_angle
+        for rake in rakes:
+            own = nishimatsu(STRENGTH, FRICTION, case.plan.depth, math.radians(rake), friction)
+            rows.append(
+                formula_row(f"rake {rake:g} deg", cuts[rake], what, words, own, 0.5,
+                             "Nishimatsu 1972, for the force that breaks a chip, with n = 0: Merchant's formula")
+            )  # fmt: skip
+        half = math.radians(0.5 * (90.0 - 15.0))
+        own = evans(TENSION, case.plan.depth, half + friction)
+        rows.append(
+            formula_row("rake 15 deg", cuts[15.0], what, words, own, 0.7,
+                         "Evans & Pomeroy 1966, for the force that breaks a chip: wedge of 75 deg with friction")
+        )  # fmt: skip
     return rows
 
 
-def rake_rows(cuts: dict[float, Measured], case: CuttingCase) -> list[Row]:
-    """The force falls with the rake, and stands beside the formulae."""
-    rakes = sorted(cuts)
-    forces = [cuts[rake].cutting for rake in rakes]
-    rising = sum(later >= earlier for earlier, later in itertools.pairwise(forces))
-    rows = [
-        Row("rake", "steps from -15 to 30 deg at which the cutting force does not fall", rising, 0.0, rising, 0.0, 0.0,
-            "CASES P19, class D: falling with rake")
-    ]  # fmt: skip
-    friction = case.plan.tool.friction_angle
-    for rake, force in zip(rakes, forces, strict=True):
-        own = nishimatsu(STRENGTH, FRICTION, case.plan.depth, math.radians(rake), friction)
+def speed_rows(usual: Group, slow: Group) -> list[Row]:
+    """What half the speed changes in the means of all packings."""
+    rows = []
+    for what, words in (("cutting", "mean cutting force"), ("peaks", "peaks of the cutting force")):
+        source = (
+            f"slow enough where it does not matter; {len(slow)} packings each, which scatter by "
+            f"{100.0 * scatter(usual, what):.0f} % and {100.0 * scatter(slow, what):.0f} %"
+        )
         rows.append(
-            Row(f"rake {rake:g} deg", "log10 of the cutting force over Nishimatsu's (difference)",
-                math.log10(force / own), 0.0, math.log10(force / own), 0.5, cuts[rake].seconds,
-                f"class D, factor {force / own:.2f}; Nishimatsu with n = 0 is Merchant's formula: {own / 1e3:.4g} kN/m")
-        )  # fmt: skip
-    half = math.radians(0.5 * (90.0 - 15.0))
-    own = evans(TENSION, case.plan.depth, half + friction)
-    force = cuts[15.0].cutting
-    rows.append(
-        Row("rake 15 deg", "log10 of the cutting force over Evans's (difference)", math.log10(force / own), 0.0,
-            math.log10(force / own), 0.7, 0.0,
-            f"class D, factor {force / own:.2f}; a symmetric wedge of 75 deg with friction: {own / 1e3:.4g} kN/m")
-    )  # fmt: skip
+            relative(
+                "half the speed", words, mean(slow, what), mean(usual, what), 0.25, seconds([slow]), source
+            )
+        )
     return rows
 
 
@@ -183,46 +247,47 @@ def dice2d() -> list[Row]:
     ]  # fmt: skip
 
 
+def each(case: CuttingCase, seeds: Sequence[int], **changes: Any) -> list[Measured]:
+    """A cut in every packing."""
+    return [measured(changed(case, seed=seed, **changes)) for seed in seeds]
+
+
 def run() -> list[Row]:
     """All of them."""
     case = case_of("rock_cutting")
     own = round(math.degrees(case.plan.tool.rake), 6)
-    cuts = {
-        depth: [measured(changed(case, depth=1e-3 * depth, seed=seed)) for seed in SEEDS] for depth in DEPTHS
-    }
-    usual = cuts[1e3 * case.plan.depth][0]
-    smooth = changed(case, friction=0.0)
-    plain = measured(smooth)
-    rakes = {own: usual} | {rake: measured(changed(case, rake=math.radians(rake))) for rake in RAKES}
-    rows = [face_row("smooth face, rake 15 deg", plain, smooth)]
+    cuts = {depth: each(case, SEEDS, depth=1e-3 * depth) for depth in DEPTHS}
+    usual = cuts[round(1e3 * case.plan.depth, 6)]
+    smooth = each(case, (1,), friction=0.0)
+    rakes = {own: usual} | {rake: each(case, FEW, rake=math.radians(rake)) for rake in RAKES}
+    rows = [face_row("smooth face, rake 15 deg", smooth, changed(case, friction=0.0))]
     rows += [
         face_row(f"rough face, rake {rake:g} deg", rakes[rake], changed(case, rake=math.radians(rake)))
         for rake in sorted(rakes)
     ]
-    rows += depth_rows("weak rock", cuts)
+    rows += line_rows("weak rock", cuts, "cutting", "mean cutting forces")
+    rows += line_rows("weak rock", cuts, "peaks", "peaks")
+    ductile = power(cuts)
+    rows.append(
+        Row("weak rock", "power of depth in the specific energy (difference)", ductile, 0.0, ductile, 0.25, 0.0,
+            "ductile: 0; Richard, Dagrain, Poyol & Detournay 2012, Eng. Geol. 147:91-100")
+    )  # fmt: skip
     rows += rake_rows(rakes, case)
-    rock = brittle(case)
+    # as far below its wave speed
+    rock, fast = brittle(case), 2.0 * case.plan.speed
     hard = {
-        depth: [measured(changed(case, depth=1e-3 * depth, material=rock, speed=2.0 * case.plan.speed))]
+        depth: each(case, FEW[: 2 if depth > 5.0 else 3], depth=1e-3 * depth, material=rock, speed=fast)
         for depth in BRITTLE_DEPTHS
     }
-    energy = [group[0].found.specific_energy for group in hard.values()]
-    fall = math.log(energy[-1] / energy[0]) / math.log(BRITTLE_DEPTHS[-1] / BRITTLE_DEPTHS[0])
+    fall = power(hard)
     rows.append(
         Row("sandstone, UCS over tension 21", "power of depth in the specific energy (difference)", fall, -0.5,
-            fall + 0.5, 0.5, sum(group[0].seconds for group in hard.values()),
-            "brittle: falls, -0.5 where toughness decides")
+            fall + 0.5, 0.5, seconds(hard.values()),
+            "brittle: falls, -0.5 where toughness decides: Bazant 1984, J. Eng. Mech. 110:518-535")
     )  # fmt: skip
-    slow = measured(changed(case, speed=0.5 * case.plan.speed))
-    rows.append(
-        relative("half the speed", "mean cutting force", slow.cutting, usual.cutting, 0.25, slow.seconds,
-                 "slow enough where it does not matter; two packings differ by as much as the line's scatter")
-    )  # fmt: skip
-    every = [one for group in [*cuts.values(), *hard.values()] for one in group] + [
-        plain,
-        slow,
-        *rakes.values(),
-    ]
-    worst = max((one.found.imbalance for one in every), key=abs)
+    slow = each(case, SEEDS, speed=0.5 * case.plan.speed)
+    rows += speed_rows(usual, slow)
+    groups = [*cuts.values(), *hard.values(), *rakes.values(), smooth, slow]
+    worst = max((one.found.imbalance for group in groups for one in group), key=abs)
     rows.append(at_most("all cuts", "imbalance of the energy account", worst, 0.01, 0.0, "energy stays"))
     return [*rows, *dice2d()]

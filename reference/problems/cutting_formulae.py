@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 
 def evans(tension: float, depth: float, half_angle: float) -> float:
     """Cutting force of a symmetric wedge of half-angle theta, 2 sigma_t d sin(theta)/(1 - sin(theta)) [N/m].
@@ -31,3 +33,19 @@ def nishimatsu(
         / (n + 1.0)
     )
     return resultant * math.cos(tool_friction - rake)
+
+
+def passive_wedge(
+    weight: float, friction: float, depth: float, rake: float, tool_friction: float, heap: float = 0.0
+) -> float:
+    """Cutting force of loose ground on a blade, the least of Coulomb's trial wedges with level ground [N/m].
+
+    P = W sin(beta + phi)/cos(beta + phi + delta - alpha) on the face, P cos(delta - alpha) along the path; W is that of
+    the wedge, unit weight [N/m3], and of a heap [N/m] that stands on it.
+    """
+    beta = np.radians(np.linspace(2.0, 88.0, 8601))
+    load = 0.5 * weight * depth**2 * (1.0 / np.tan(beta) + math.tan(rake)) + heap
+    turn = beta + friction + tool_friction - rake
+    sliding = turn < 0.5 * math.pi
+    thrust = load[sliding] * np.sin(beta + friction)[sliding] / np.cos(turn[sliding])
+    return float(thrust.min()) * math.cos(tool_friction - rake)
