@@ -58,7 +58,7 @@ GROUPS = (
         "friction where the rock slides up on it; at rakes of 0 and below much of it is crushed without sliding. Chips "
         "break at forces within a factor of three of the formulae, at every rake and at both speeds; means are a third "
         "of that and less, rise nearly along a line with the depth and halve with the speed. In sandstone the specific "
-        "energy does not fall with the depth. With a local damping of 0.8 mean forces are proportional to the speed: an "
+        "energy does not fall with the depth. With a local damping of 0.8 mean forces are proportional to speed: an "
         "agreement with the formulae is then one of a chosen speed.",
     ),
     Group(
