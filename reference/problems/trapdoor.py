@@ -33,7 +33,7 @@ from .rows import Row, at_most
 
 PICTURES = Path(__file__).resolve().parents[2] / "docs" / "pictures"
 
-SEEDS = (1, 2, 3, 4)
+SEEDS = (1, 2, 3)
 LEAST = {(20, 1): 0.627, (20, 2): 0.390, (30, 1): 0.434, (30, 2): 0.232}
 """Pressure over gamma H by limit analysis, the lower of its two bounds: (friction angle [deg], H/B)."""
 SLACK = 0.10
@@ -143,9 +143,10 @@ def _assembly(
     builder.add_wall(plane("left", (0.0, 0.0), (1.0, 0.0), contact=smooth))
     builder.add_wall(plane("right", (wide, 0.0), (-1.0, 0.0), contact=smooth))
     left, right = 0.5 * (wide - door), 0.5 * (wide + door)
-    builder.add_wall(segments("floor, left", [(-2.0, 0.0), (left, 0.0)]))
+    # the floor has edges down to below the door: small discs would slip under it
+    builder.add_wall(segments("floor, left", [(-2.0, 0.0), (left, 0.0), (left, -3.0)]))
     builder.add_wall(segments("door", [(left, 0.0), (right, 0.0)], velocity=(0.0, -speed)))
-    builder.add_wall(segments("floor, right", [(right, 0.0), (wide + 2.0, 0.0)]))
+    builder.add_wall(segments("floor, right", [(right, -3.0), (right, 0.0), (wide + 2.0, 0.0)]))
     return builder.build()
 
 
