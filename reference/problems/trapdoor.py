@@ -8,6 +8,8 @@ strain, which dense packings exceed by some degrees at first.
 
 The door sinks faster than in a laboratory: what matters is the inertial number of the bands that shear, (speed / width
 of the band) d / sqrt(p / rho), and that a slower door finds the same.
+
+The floor is a line without edges down: towards the end of the movement a small disc may slip under it beside the door.
 """
 
 from __future__ import annotations
@@ -33,7 +35,7 @@ from .rows import Row, at_most
 
 PICTURES = Path(__file__).resolve().parents[2] / "docs" / "pictures"
 
-SEEDS = (1, 2, 3)
+SEEDS = (1, 2, 3, 4)
 LEAST = {(20, 1): 0.627, (20, 2): 0.390, (30, 1): 0.434, (30, 2): 0.232}
 """Pressure over gamma H by limit analysis, the lower of its two bounds: (friction angle [deg], H/B)."""
 SLACK = 0.10
@@ -143,10 +145,9 @@ def _assembly(
     builder.add_wall(plane("left", (0.0, 0.0), (1.0, 0.0), contact=smooth))
     builder.add_wall(plane("right", (wide, 0.0), (-1.0, 0.0), contact=smooth))
     left, right = 0.5 * (wide - door), 0.5 * (wide + door)
-    # the floor has edges down to below the door: small discs would slip under it
-    builder.add_wall(segments("floor, left", [(-2.0, 0.0), (left, 0.0), (left, -3.0)]))
+    builder.add_wall(segments("floor, left", [(-2.0, 0.0), (left, 0.0)]))
     builder.add_wall(segments("door", [(left, 0.0), (right, 0.0)], velocity=(0.0, -speed)))
-    builder.add_wall(segments("floor, right", [(right, -3.0), (right, 0.0), (wide + 2.0, 0.0)]))
+    builder.add_wall(segments("floor, right", [(right, 0.0), (wide + 2.0, 0.0)]))
     return builder.build()
 
 
