@@ -42,11 +42,12 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-DEEPEST = 0.8
-"""Overlap over the smaller radius beyond which two particles, or one and a wall, are about to pass each other."""
+DEEPEST = {"particle": 1.5, "wall": 0.8}
+"""Overlap over the smaller radius beyond which two particles, or one and a wall, are about to pass each other: the
+centres of equal particles meet at 2, a centre meets a wall at 1. Soft contacts under hard blows come to 1."""
 
 LONGEST_WAY = 0.4
-"""Of a particle in one step, over its radius: what passes through something is seen at between `DEEPEST` and 1.2."""
+"""Of a particle in one step, over its radius: what passes through a wall is seen at between `DEEPEST` and 1.2."""
 
 EXPLOSION = 10.0
 """Kinetic energy over all that can have become it."""
@@ -77,6 +78,7 @@ class Guard:
         self.low, self.high = far_box(s)
         radii = s.assembly.radii
         self.smallest = float(radii.min())
+        self.alone = len(radii) == 1 and not s.assembly.walls
         self.every = min(max(LOOK_WORK // len(radii), 1000), 10_000)
         self.slowest = slowest_contact(s)
         self.searches = 0
@@ -102,7 +104,8 @@ class Guard:
         UnstableError
             The motion has come to mean nothing.
         """
-        if s.moved > 2.0 * LONGEST_WAY * self.smallest:
+        # a single particle has nothing to pass through
+        if s.moved > 2.0 * LONGEST_WAY * self.smallest and not self.alone:
             self._look_at_the_fastest(s)
         if s.searches != self.searches:
             # whatever is pressed into something else has moved, so that this comes up often enough
@@ -169,7 +172,7 @@ class Guard:
     def _look_for_deep_contacts(self, s: ParticleSimulation) -> None:
         for found, with_whom in ((overlaps_of_strangers(s), "particle"), (overlaps_with_walls(s), "wall")):
             rows, others, depth = found
-            if not len(depth) or not depth.max() > DEEPEST:
+            if not len(depth) or not depth.max() > DEEPEST[with_whom]:
                 continue
             worst = int(np.argmax(depth))
             other = others[worst]

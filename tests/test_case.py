@@ -238,7 +238,7 @@ def test_lengths_in_feet(tmp_path: Path) -> None:
 # (what to change, into what, the place the message must name, a word of the remedy)
 BAD = [
     # the file itself
-    ('"slope"\ntitle', '"tunnel"\ntitle', "workflow", '"slope"'),
+    ('"slope"\ntitle', '"dam"\ntitle', "workflow", '"slope"'),
     ('workflow = "slope"\n', "", "workflow", 'workflow = "slope"'),
     ('"slope"\ntitle', '"slop"\ntitle', "workflow", 'Did you mean "slope"'),
     ("particles", "particels", "particels", 'Did you mean "particles"'),
