@@ -22,8 +22,11 @@ def main(out: str = "bonded_trees-result", quickly: bool = False) -> int:
     fallen = float(last.positions[:, 1].mean() / first.positions[:, 1].mean())
     pieces, single = result["fragments"]["pieces"], result["fragments"]["single_particles"]
     share = single / result["particles"]
+    # the quick form fills the picture anew with about as many
+    discs = expected["picture"]["discs"]
+    as_many = abs(result["particles"] - discs) <= (0.01 * discs if quickly else 0)
     rows = [
-        ("discs", float(result["particles"]), result["particles"] == expected["picture"]["discs"]),
+        ("discs", float(result["particles"]), as_many),
         ("share of the discs that are there in the end", kept, kept >= expected["mass"]["share"]),
         ("pieces larger than a disc", float(pieces), pieces > expected["pieces"]["more_than"]),
         ("share of the discs that are alone", share, share < expected["pieces"]["single_below"]),
