@@ -83,8 +83,7 @@ GROUPS = (
         "minimum is held to lie between them, a tenth outside allowed. Dense discs bear more than their residual "
         "angle at first, and the edges of the door carry discs that rest on both sides of them, so fewer discs "
         "across the door give lower pressures. One packing differs from the next by more than the bounds at 30 deg;"
-        " only the mean of several tells much. The floor has no edges down beside the door: with them one packing of "
-        "`workflows/trapdoor` gave 3 % less.\n\n![Pressure by the movement of the door](pictures/trapdoor.png)",
+        " only the mean of several tells much.\n\n![Pressure by the movement of the door](pictures/trapdoor.png)",
     ),
 )
 

@@ -9,7 +9,7 @@ strain, which dense packings exceed by some degrees at first.
 The door sinks faster than in a laboratory: what matters is the inertial number of the bands that shear, (speed / width
 of the band) d / sqrt(p / rho), and that a slower door finds the same.
 
-The floor is a line without edges down: towards the end of the movement a small disc may slip under it beside the door.
+The floor has edges down beside the door, so that no disc slips under it.
 """
 
 from __future__ import annotations
@@ -145,9 +145,9 @@ def _assembly(
     builder.add_wall(plane("left", (0.0, 0.0), (1.0, 0.0), contact=smooth))
     builder.add_wall(plane("right", (wide, 0.0), (-1.0, 0.0), contact=smooth))
     left, right = 0.5 * (wide - door), 0.5 * (wide + door)
-    builder.add_wall(segments("floor, left", [(-2.0, 0.0), (left, 0.0)]))
+    builder.add_wall(segments("floor, left", [(-2.0, 0.0), (left, 0.0), (left, -3.0)]))
     builder.add_wall(segments("door", [(left, 0.0), (right, 0.0)], velocity=(0.0, -speed)))
-    builder.add_wall(segments("floor, right", [(right, 0.0), (wide + 2.0, 0.0)]))
+    builder.add_wall(segments("floor, right", [(right, -3.0), (right, 0.0), (wide + 2.0, 0.0)]))
     return builder.build()
 
 
