@@ -134,7 +134,7 @@ def test_a_run_that_is_stopped_again_and_again_ends_with_the_same_bits(case, don
     looks = iter(range(10**9))
 
     def every_so_often() -> bool:
-        return next(looks) % 61 == 60
+        return next(looks) % 91 == 90
 
     stops = 0
     out = tmp_path / "out"
