@@ -21,7 +21,7 @@ from .errors import InputError, StoppedError, UnstableError
 from .io.files import remove_unfinished
 from .io.history import HistoryWriter, cut_history
 from .io.particle_checkpoint import checkpoint_step
-from .io.particle_frames import remove_later_frames, write_frame
+from .io.particle_frames import last_whole_frame, remove_later_frames, write_frame
 from .measure.particle_energy import ParticleEnergy
 from .particle_simulation import ParticleSimulation
 
@@ -172,8 +172,8 @@ class Recorder:
             HistoryWriter(path, self.columns, append=True).close()
             self._recorded = int(max(cut_history(path, step), -1))
         remove_later_frames(self.folder, step)
-        names = [path.stem for path in self.folder.glob("particles-*.vtkhdf")]
-        self._drawn = max((int(name.split("-")[-1]) for name in names), default=-1)
+        # one that was being written as the run ended is written again
+        self._drawn = last_whole_frame(self.folder, self.simulation)
 
 
 def history_columns(s: ParticleSimulation) -> tuple[str, ...]:

@@ -167,6 +167,13 @@ def test_killed_before_its_first_checkpoint(whole, tmp_path):
     is_whole(tmp_path, whole)
 
 
+def test_killed_while_its_first_frame_was_written(whole, tmp_path):
+    first = "000000000.vtkhdf"
+    shutil.copy(whole[1] / f"particles-{first}", tmp_path)
+    record(tmp_path)
+    is_whole(tmp_path, whole)
+
+
 def test_checkpoints_on_the_way(tmp_path):
     seen = []
 

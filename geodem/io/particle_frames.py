@@ -46,15 +46,29 @@ def write_frame(folder: Path | str, simulation: ParticleReading) -> list[Path]:
     """
     folder, s = Path(folder), simulation
     number = f"{s.steps:09d}"
-    found = [_write_particles(folder / f"particles-{number}.vtkhdf", s)]
-    found.append(_write_contacts(folder / f"contacts-{number}.vtkhdf", s))
-    if len(s.assembly.bonds):
-        found.append(_write_cracks(folder / f"cracks-{number}.vtkhdf", s))
-    if any(len(wall.segments) or len(wall.triangles) for wall in s.assembly.walls):
-        found.append(_write_walls(folder / f"walls-{number}.vtkhdf", s))
+    writers = {
+        "particles": _write_particles, "contacts": _write_contacts, "cracks": _write_cracks, "walls": _write_walls,
+    }  # fmt: skip
+    found = [writers[kind](folder / f"{kind}-{number}.vtkhdf", s) for kind in _kinds_of(s)]
     for path in found:
         _list_frame(path, s.time)
     return found
+
+
+def last_whole_frame(folder: Path | str, simulation: ParticleReading) -> int:
+    """Step of the last frame of which all files are there and listed; -1 where there is none."""
+    steps = [
+        {_step(name) for name, _ in _listed(Path(folder) / f"{kind}.vtkhdf.series")}
+        for kind in _kinds_of(simulation)
+    ]
+    return max(set.intersection(*steps), default=-1)
+
+
+def _kinds_of(s: ParticleReading) -> list[str]:
+    """Kinds of files that a frame of a simulation has, in the order in which they are written and then listed."""
+    has_faces = any(len(wall.segments) or len(wall.triangles) for wall in s.assembly.walls)
+    present = {"particles": True, "contacts": True, "cracks": len(s.assembly.bonds) > 0, "walls": has_faces}
+    return [kind for kind in KINDS if present[kind]]
 
 
 def remove_later_frames(folder: Path | str, step: int) -> None:
