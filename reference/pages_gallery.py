@@ -98,8 +98,8 @@ def _light(picture: Path) -> bytes:
 
 
 def read_workflows(workflows: Path = WORKFLOWS) -> list[Workflow]:
-    """Every folder that holds a README.md, by name; raises ValueError as `write_gallery`."""
-    return [read_workflow(readme.parent) for readme in sorted(workflows.glob("*/README.md"))]
+    """Every folder that holds a case.toml, by name; raises ValueError as `write_gallery`."""
+    return [read_workflow(case.parent) for case in sorted(workflows.glob("*/case.toml"))]
 
 
 def read_workflow(folder: Path) -> Workflow:

@@ -62,7 +62,7 @@ def test_generated_pages_are_those_of_the_stored_results(tmp_path):
 def test_the_gallery_shows_every_workflow(tmp_path):
     page = (DOCS / "gallery.md").read_text()
     write_gallery(tmp_path)
-    folders = {readme.parent for readme in (ROOT / "workflows").glob("*/README.md")}
+    folders = {case.parent for case in (ROOT / "workflows").glob("*/case.toml")}
     for folder in folders:
         kept = DOCS / "pictures" / "gallery" / f"{folder.name}.png"
         assert kept.is_file(), "run: python -m reference pages"
@@ -93,6 +93,15 @@ def test_a_workflow_without_a_picture_is_refused(tmp_path, lacking):
         (folder / "README.md").unlink()
     with pytest.raises(ValueError, match="lacks .*" + ("a picture" if lacking == "README" else lacking)):
         read_workflow(folder)
+
+
+def test_every_workflow_has_a_test_that_runs_it():
+    tests = "".join(
+        path.read_text(encoding="utf-8") for path in (ROOT / "tests" / "workflows").glob("test_*.py")
+    )
+    names = [case.parent.name for case in (ROOT / "workflows").glob("*/case.toml")]
+    assert len(names) > 15
+    assert [name for name in names if f'"{name}"' not in tests] == []
 
 
 def test_pictures_are_light():
