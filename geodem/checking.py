@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ._jit import cache_folder, set_threads
 from .case import load_any
+from .errors import InputError
 from .kinds import KINDS
 from .provenance import versions
 from .workflow import default_folder
@@ -35,6 +36,13 @@ def check_case(path: Path, picture: Path | None, console: Console) -> dict[str, 
     ------
     InputError
     """
+    if picture is not None and picture.suffix.lower() not in ("", ".png"):
+        raise InputError(
+            "--out",
+            "the picture is a PNG file",
+            f"Name it {picture.with_suffix('.png').name}",
+            value=str(picture),
+        )
     case = load_any(path)
     drawn = picture or Path(f"{default_folder(path).name.removesuffix('-result')}-check.png")
     return KINDS[case.workflow].check(case, drawn, console)

@@ -37,7 +37,19 @@ CaseArgument = Annotated[
     Path, typer.Argument(metavar="CASE", help="A case file, or the folder that holds case.toml.")
 ]
 FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="The folder that a run wrote to.")]
-OutOption = Annotated[Path | None, typer.Option(help="Folder of the results. [default: NAME-result]")]
+
+
+def _named(text: str) -> Path:
+    """A path that is given; an empty one, of a variable of the shell that is not set, is not the working folder."""
+    if not text.strip():
+        raise typer.BadParameter("it is empty; name a folder or file, or leave the option out")
+    return Path(text)
+
+
+OutOption = Annotated[
+    Path | None,
+    typer.Option(help="Folder of the results. [default: NAME-result]", parser=_named, metavar="PATH"),
+]
 OverwriteOption = Annotated[bool, typer.Option("--overwrite", help="Replace the results of another case.")]
 ThreadsOption = Annotated[
     int | None, typer.Option(min=1, help="Threads; all cores if left out. The bits do not change.")
@@ -210,7 +222,8 @@ def resume(folder: FolderArgument, threads: ThreadsOption = None) -> None:
 def check(
     case: CaseArgument,
     out: Annotated[
-        Path | None, typer.Option(help="Where the picture goes. [default: NAME-check.png]")
+        Path | None,
+        typer.Option(help="Where the picture goes. [default: NAME-check.png]", parser=_named, metavar="PATH"),
     ] = None,
 ) -> None:
     """Build a case without running it: picture, counts, memory, expected run time, plausibility."""
@@ -242,7 +255,10 @@ def new(
     from .io.files import write_whole
 
     for entry in sorted((templates / kind).iterdir(), key=lambda e: e.name):
-        write_whole(folder / entry.name, entry.read_bytes())
+        try:
+            write_whole(folder / entry.name, entry.read_bytes())
+        except InputError as error:
+            raise InputError(str(folder), error.problem, "Choose another folder") from None
     console.print(f"Made {folder}/case.toml. Next: geodem check {shlex.quote(str(folder))}")
 
 

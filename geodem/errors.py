@@ -39,7 +39,9 @@ class InputError(ValueError):
         super().__init__(str(self))
 
     def __str__(self) -> str:
-        found = "" if self.value is None else f" = {self.value!r}"
+        # an array as a list: its own text is spread over lines
+        value = getattr(self.value, "tolist", lambda: self.value)()
+        found = "" if value is None else f" = {value!r}"
         shown = "" if self.picture is None else f" See {self.picture}."
         remedy = self.remedy if self.remedy.endswith((".", "?", ")")) else f"{self.remedy}."
         place, problem, remedy = (_brief(text) for text in (self.place + found, self.problem, remedy))

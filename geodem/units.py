@@ -152,6 +152,8 @@ _OWNER = {symbol: dimension for dimension, entry in _DIMENSIONS.items() for symb
 
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _COMMA = re.compile(r"([+-]?\d+)((?:,\d+)+)(\.\d+)?\s*(.*)")
+_POINT_AND_COMMA = re.compile(r"[+-]?\d+(?:\.\d+)+,\d+")
+_RANGE = re.compile(r"(?:-|–|—|±|\.\.+|…|to |\+/-)\s*\.?\d")
 _LONGEST = 80  # characters; nobody means a longer number, and exact arithmetic on one would take its time
 
 
@@ -200,10 +202,21 @@ def parse(text: object, dimension: str, *, place: str) -> float:
     comma = _COMMA.fullmatch(plain)
     if comma:
         raise _comma_error(comma, text, place)
+    both = _POINT_AND_COMMA.match(plain)
+    if both:
+        closed = both.group().replace(".", "").replace(",", ".") + plain[both.end() :]
+        raise InputError(
+            place, "there are a point and a comma in the number", f'Write "{closed}", without separators.', value=text
+        )  # fmt: skip
     number = _NUMBER.match(plain)
     if number is None:
         raise _no_number(plain, text, wanted, place)
     unit = plain[number.end() :].strip()
+    if _RANGE.match(unit):
+        raise InputError(
+            place, "this is a range, and one value is needed", "Give one; `geodem sweep` runs a case with several.",
+            value=text,
+        )  # fmt: skip
     if unit[:1].isdigit() or unit[:1] in {".", "'", "_"}:
         closed = re.sub(r"(?<=\d)[ '_](?=\d)", "", plain)
         raise InputError(place, "there is a gap inside the number", f'Write "{closed}".', value=text)
@@ -401,6 +414,11 @@ def _special_unit(number: float, symbol: str, wanted: _Dimension) -> tuple[str, 
         return (
             "pixels per length, and length per pixel is needed",
             f'Write "{1 / number:g} {symbol[-2:].strip("/")}/px".',
+        )
+    if symbol in {"dpi", "ppi"}:
+        return (
+            f"{symbol} says how a picture is printed, not how much ground a pixel shows",
+            'Divide the width of the ground by the width of the picture in pixels, as in "0.25 m/px".',
         )
     if symbol in {"px", "pixel", "pixels"}:
         return "a number of pixels is not a length", f"Write {_written(wanted)}."

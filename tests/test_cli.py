@@ -251,6 +251,14 @@ BAD_PICTURES = [
     ),
     ("empty file", "section.png", "empty.png", "section.image = 'empty.png'", "Save it as PNG"),
     ("no picture at all", "section.png", "notes.png", "section.image = 'notes.png'", "Save it as PNG"),
+    (
+        "too many pixels",
+        "section.png",
+        "huge.png",
+        "section.image = 'huge.png'",
+        "more than 20 million pixels. Reduce",
+    ),
+    ("folder", "section.png", "folder", "section.image = 'folder'", "this is a folder, and a file is needed"),
     ("only background", "section.png", "white.png", "section.image", "legend colours"),
     ("colour not listed", "section.png", "stray.png", "#0a14fa", "Add"),
     ("no scale", 'scale = "0.5 m/px"\n', "", "section.scale: missing", "m/px"),
@@ -289,6 +297,9 @@ def test_bad_picture(old, new, place, word, tmp_path, call):
     draw(folder / "white.png", ground="#ffffff")
     (folder / "empty.png").write_bytes(b"")
     (folder / "notes.png").write_text("not a picture")
+    (folder / "folder").mkdir()
+    if new == "huge.png":
+        Image.new("1", (20_000, 20_000)).save(folder / new)
     answer = call("run", folder, "--out", tmp_path / "out")
     refused(answer, place, word)
     assert not (tmp_path / "out").exists()
@@ -327,7 +338,9 @@ def test_out_cannot_be_written(tmp_path, call):
     case = write_case(tmp_path / "case")
     refused(call("run", case, "--out", "/proc/geodem"), "/proc/geodem", "--out")
     refused(call("check", case, "--out", "/proc/geodem/look.png"), "/proc/geodem", "Choose")
-    refused(call("new", "slope", "/proc/geodem"), "/proc/geodem", "Choose")
+    answer = call("new", "slope", "/proc/geodem")
+    refused(answer, "/proc/geodem", "Choose")
+    assert "--out" not in answer.err, "new has no such option"
 
 
 def test_the_users_case_file_is_never_written_over(tmp_path, call):
@@ -340,6 +353,35 @@ def test_the_users_case_file_is_never_written_over(tmp_path, call):
     assert (case / "case.toml").read_bytes() == before
     assert sorted(path.name for path in case.iterdir()) == ["case.toml"]
     assert "Another" in (other / "case.toml").read_text()
+
+
+def test_an_empty_out_is_not_the_working_folder(tmp_path, call, monkeypatch):
+    case = write_case(tmp_path / "case")
+    (tmp_path / "work").mkdir()
+    monkeypatch.chdir(tmp_path / "work")
+    for command in ("run", "check"):
+        answer = call(command, case, "--out", "")
+        assert answer.status == 2
+        assert "it is empty" in answer.err
+    assert not list((tmp_path / "work").iterdir())
+
+
+def test_the_picture_of_a_check_is_a_png(tmp_path, call):
+    refused(
+        call("check", write_case(tmp_path / "case"), "--out", tmp_path / "look.jpg"),
+        "--out",
+        "Name it look.png",
+    )
+
+
+def test_a_line_that_is_not_toml_is_shown(tmp_path, call):
+    case = write_case(tmp_path / "case", SLOPE.replace('"10 kPa"', "10 kPa"))
+    refused(call("check", case), "line 19, column 15 = 'cohesion = 10 kPa'", "text stands in quotes")
+    case = write_case(tmp_path / "curly", SLOPE.replace('"10 kPa"', "“10 kPa”"))
+    refused(call("check", case), "line 19", 'Write straight quotes: "10 kPa"')
+    case = write_case(tmp_path / "mac")
+    (case / "case.toml").write_bytes(SLOPE.replace("\n", "\r").encode())
+    refused(call("check", case), "line 1", "line ends of Unix or Windows")
 
 
 def test_new(tmp_path, call):

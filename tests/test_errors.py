@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from geodem.errors import LONGEST, InputError
 
 
@@ -14,6 +16,13 @@ def test_a_long_message_keeps_its_beginning_and_its_end():
     assert "Write it so: yyy" in text
     assert text.endswith(" end.")
     assert error.place == "k" * 5000
+
+
+def test_an_array_is_told_as_a_list():
+    error = InputError(
+        "section.line", "a point stands twice", "Take it away", value=np.array([[2.0, 10.0], [2.0, 10.0]])
+    )
+    assert str(error) == "section.line = [[2.0, 10.0], [2.0, 10.0]]: a point stands twice. Take it away."
 
 
 def test_a_message_of_usual_length_is_whole():

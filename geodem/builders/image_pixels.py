@@ -16,6 +16,11 @@ _FORMATS = ("PNG", "BMP", "JPEG", "GIF", "TIFF", "WEBP")
 _LOSSY_FORMATS = ("JPEG", "MPO", "WEBP")
 _LARGEST = 20_000_000
 _SMALLEST_SIDE = 4
+TOO_LARGE = (
+    f"the picture has more than {_LARGEST // 10**6} million pixels",
+    "Reduce it; 2000 pixels a side are ample.",
+)
+"""Problem and remedy."""
 
 
 class Pixels(NamedTuple):
@@ -80,7 +85,7 @@ def read_pixels(path: Path, place: str) -> Pixels:
                 raise InputError(
                     place,
                     f"the picture has {columns} x {rows} pixels, more than {_LARGEST}",
-                    "Reduce it; 2000 pixels a side are ample.",
+                    TOO_LARGE[1],
                     value=shown,
                 )
             lossy = stored.format in _LOSSY_FORMATS
@@ -89,7 +94,9 @@ def read_pixels(path: Path, place: str) -> Pixels:
         raise InputError(
             place, "the file is not a picture that can be read", "Give a PNG, BMP or JPEG file.", value=shown
         ) from error
-    except (OSError, SyntaxError, EOFError, Image.DecompressionBombError) as error:
+    except Image.DecompressionBombError as error:
+        raise InputError(place, *TOO_LARGE, value=shown) from error
+    except (OSError, SyntaxError, EOFError) as error:
         raise InputError(
             place, f"the picture is damaged ({error})", "Save it again as PNG.", value=shown
         ) from error

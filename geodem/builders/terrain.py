@@ -298,5 +298,5 @@ def _refuse_high_base(base: float, lowest: float, layers: tuple[Layer, ...]) -> 
         what = "the surface" if depth == 0.0 else f"the lower side of {layers[-2].material!r}"
         raise InputError(
             "terrain, base", f"{what} goes down to {lowest - depth:.6g} m, and the base is not below it",
-            "Give a lower base.", value=base,
+            "Give a lower base.", value=f"{base:.6g} m",
         )  # fmt: skip

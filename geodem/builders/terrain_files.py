@@ -118,7 +118,12 @@ def terrain_from(
     missing = ~np.isfinite(heights)
     if missing.any():
         count = int(missing.sum())
-        if missing.all() or holes != "fill":
+        if missing.all():
+            raise InputError(
+                place, f"all of its {heights.size} heights are missing",
+                "Look whether its no-data value is that of the heights.",
+            )  # fmt: skip
+        if holes != "fill":
             where = np.argwhere(missing)[0]
             x, y = start + step * where
             raise InputError(
@@ -284,7 +289,12 @@ def _read_ascii(source: Path, place: str) -> Read:
         raise InputError(
             place, "the head of the grid lacks ncols, nrows or cellsize", "Mend it.", value=str(source)
         )
-    numbers = np.array(" ".join(lines[start:]).split(), dtype=np.float64)
+    try:
+        numbers = np.array(" ".join(lines[start:]).split(), dtype=np.float64)
+    except ValueError as error:
+        raise InputError(
+            place, f"a height is no number ({error})", "Write heights with decimal points.", value=str(source)
+        ) from None
     shape = (int(head["nrows"]), int(head["ncols"]))
     if numbers.size != shape[0] * shape[1]:
         raise InputError(

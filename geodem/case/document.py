@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -66,12 +67,11 @@ def parse_document(text: str, *, what: str = "case") -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         # "Cannot overwrite a value (at line 3, column 5)"
         message, _, where = str(error).rstrip(")").partition(" (at ")
-        remedy = (
-            "Mend this place; text stands in quotes, a table begins with [name], and each key stands once."
-        )
+        line = _line_of(text, where)
         raise InputError(
-            f"{what} file, {where}" if where else f"{what} file", f"this is not TOML: {message}", remedy
-        ) from None
+            f"{what} file, {where}" if where else f"{what} file", f"this is not TOML: {message}",
+            _mend(text, line), value=units.short(line) if line else None,
+        ) from None  # fmt: skip
     except (ValueError, RecursionError):
         raise InputError(
             f"{what} file", "a number is too long or lists are nested too deep", "Shorten it."
@@ -87,6 +87,22 @@ def parse_document(text: str, *, what: str = "case") -> dict[str, Any]:
             f"A case has five levels. {_BEGIN}",
         )
     return document
+
+
+def _line_of(text: str, where: str) -> str:
+    """The line that "line 3, column 5" means."""
+    number = re.match(r"line ([0-9]+)", where)
+    lines = text.split("\n")
+    return lines[int(number[1]) - 1].strip() if number and int(number[1]) <= len(lines) else ""
+
+
+def _mend(text: str, line: str) -> str:
+    """What to do about a line that is not TOML."""
+    if set(line) & set("“”„‟«»‘’"):
+        return 'Write straight quotes: "10 kPa".'
+    if "\r" in text.replace("\r\n", ""):
+        return "Save the file with the line ends of Unix or Windows."
+    return "Mend this place; text stands in quotes, a table begins with [name], and each key stands once."
 
 
 def refuse_other(document: Mapping[str, Any], workflow: str) -> None:

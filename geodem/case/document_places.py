@@ -10,7 +10,7 @@ from ..errors import InputError
 from .table import join, nearest, quoted
 
 _KEY = re.compile(r'([A-Za-z0-9_-]+)|"((?:[^"\\]|\\.)*)"')
-_STEP = re.compile(r"\[(?:(-?\d+)|([A-Za-z0-9_-]+)=([^\]]+))\]")
+_STEP = re.compile(r"\[(?:(-?[0-9]{1,9})|([A-Za-z0-9_-]+)=([^\]]+))\]")
 
 Step = str | int | tuple[str, str]
 """A key, an index, or key and value of an entry of a list."""

@@ -21,6 +21,8 @@ BOLT_KEYS = (
     "yield_force", "elongation", "pretension", "density_per_length", "grout_stiffness", "grout_strength", "plate",
     "out_of_plane",
 )  # fmt: skip
+MOST_BOLTS = 10_000
+"""Of a row."""
 BOLT_EXAMPLE = 'from = [0, 5], to = [0, 1], diameter = "25 mm", grout_stiffness = "100 MPa"'
 LINING_KEYS = ("name", "points", "closed", "centre", "radius", "thickness", "young_modulus", "density")
 LINING_EXAMPLE = 'centre = [0, 0], radius = "2.8 m", thickness = "0.2 m", young_modulus = "20 GPa"'
@@ -83,6 +85,8 @@ def read_bolts(top: Table, places: Places) -> tuple[BoltOptions, ...]:
                 row.missing(key, f"Write {BOLT_EXAMPLE}.")
         head, end, step = (places.point(row, key) for key in ("from", "to", "step"))
         count = row.integer("count", smallest=1, remedy="Write a whole number such as 5.") or 1
+        if count > MOST_BOLTS:
+            row.error("count", f"no row has so many bolts ({MOST_BOLTS:,} at most)", "Write how many there are.")
         if count > 1 and "step" not in row:
             row.missing("step", "Write step = [1.5, 0], the way from one bolt to the next.")
         if head is not None and head == end:

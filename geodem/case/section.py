@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from geodem import units
+from geodem.builders.image_pixels import TOO_LARGE
 from geodem.case import mesh_section, terrain_section
 from geodem.case.data import ImageSection, Point, Refinement, RegionSection, SectionOptions
 from geodem.case.source_files import LENGTH_UNITS, find_file
@@ -285,7 +286,10 @@ def _picture(table: Table, folder: Path) -> tuple[Path, tuple[int, int]] | None:
     try:
         with Image.open(path) as picture:
             return path, picture.size
-    except (UnidentifiedImageError, Image.DecompressionBombError, OSError, ValueError, SyntaxError) as error:
+    except Image.DecompressionBombError:
+        table.error("image", *TOO_LARGE)
+        return None
+    except (UnidentifiedImageError, OSError, ValueError, SyntaxError) as error:
         table.error("image", "this file cannot be read as a picture", f"Save it as PNG. ({str(error)[:120]})")
         return None
 

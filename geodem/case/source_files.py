@@ -32,11 +32,15 @@ def existing(table: Table, key: str, name: str, folder: Path, *, folders: bool =
     path = Path(name)
     try:
         path = (path if path.is_absolute() else folder / path).resolve()
-        found = path.is_file() or (folders and path.is_dir())
+        folder_there = path.is_dir()
+        found = path.is_file() or (folders and folder_there)
     except (OSError, ValueError, RuntimeError):  # a name too long, a zero byte, a link that leads to itself
-        found = False
+        found = folder_there = False
     if found:
         return path
+    if folder_there:
+        table.error(key, "this is a folder, and a file is needed", f"Name a file in {name}.")
+        return None
     what = "file or folder" if folders else "file"
     hint = nearest(name, [entry.name for entry in folder.iterdir()]) if folder.is_dir() else ""
     remedy = f"{hint}Its place is taken relative to the case file, in {folder}."

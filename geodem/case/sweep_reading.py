@@ -23,6 +23,8 @@ KEYS = (
 )  # fmt: skip
 MANY = 1000
 """Runs beyond which a sweep must say that so many are meant."""
+MOST = 100_000
+"""Runs of a sweep, meant or not: every one is read before anything is run."""
 
 
 def load_sweep(path: Path | str) -> SweepCase:
@@ -72,6 +74,8 @@ def read_sweep(text: str, folder: Path) -> SweepCase:
     if not varied and "vary" not in top and "runs" not in top:
         top.missing("vary", f"Add [vary] with a key of the case and its values: KEY = {EXAMPLE}.")
     allowed = top.integer("allow_runs", smallest=1, remedy="Write how many runs are meant.")
+    if allowed is not None and allowed > MOST:
+        top.error("allow_runs", f"no sweep has more than {MOST:,} runs", "Make several sweeps of it.")
     runs = _runs(head, varied, together, rows, allowed)
     common = head.close()
     assert base_file is not None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,8 @@ from .table import Findings, Table
 
 RANGE_KEYS = ("from", "to", "count", "step", "spacing")
 EXAMPLE = '["10 kPa", "20 kPa"], or {from = "10 kPa", to = "50 kPa", count = 5}'
+MOST = 100_000
+"""Values of a range."""
 _DIGITS = 10
 """Of the values of a range: so many, that 0.1 does not become 0.1000000000000000055."""
 
@@ -76,12 +79,25 @@ def _walk(content: dict[str, Any], above: str, findings: Findings, found: dict[s
                 at, "one value is no list", f"Write {EXAMPLE}; or put it into the case.", value=value
             )
             continue
-        twice = next((v for k, v in enumerate(values) if v in values[:k]), None)
+        twice = _twice(values)
         if twice is not None:
             findings.error(
                 at, "this value stands twice", "Name it once: a run is not done twice.", value=twice
             )
         found[key] = tuple(values)
+
+
+def _twice(values: Sequence[Any]) -> Any:
+    """The first value that has stood before, or None."""
+    seen: set[str] = set()
+    for value in values:
+        number = isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 2**53
+        # 5 and 5.0 make the same run
+        written_out = repr(float(value)) if number else repr(value)
+        if written_out in seen:
+            return value
+        seen.add(written_out)
+    return None
 
 
 def _key(place: str, at: str, findings: Findings) -> str | None:
@@ -109,6 +125,8 @@ def _range(table: Table) -> list[Any]:
             table.error(key, "this is no number with a unit that is known", f"Write {EXAMPLE}.")
     count = table.integer("count", smallest=2, remedy="Write a whole number such as 5.")
     spacing = table.choice("spacing", ("linear", "log"), default=None) if "spacing" in table else "linear"
+    if count is not None and count > MOST:
+        table.error("count", f"so many values are no sweep ({MOST:,} at most)", "Write a smaller number.")
     if len(findings.errors) > before:
         return []
     low, high = ends
@@ -146,10 +164,11 @@ def _stepped(table: Table, start: float, end: float, low: tuple[str, str, str]) 
     if step == 0.0 or (end - start) / step < 0.0:
         table.error("step", "this step does not lead from the one end to the other", f"Write {EXAMPLE}.")
         return []
-    count = math.floor((end - start) / step * (1.0 + 1e-12) + 1e-9) + 1
-    if count > 1_000_000:
-        table.error("step", f"this makes {count:,} values", "Write a larger step.")
+    steps = (end - start) / step * (1.0 + 1e-12) + 1e-9
+    if not steps < MOST:
+        table.error("step", f"this makes {steps:.3g} values ({MOST:,} at most)", "Write a larger step.")
         return []
+    count = math.floor(steps) + 1
     return [_value(start + k * step, low[1]) for k in range(count)]
 
 

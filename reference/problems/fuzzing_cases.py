@@ -6,7 +6,7 @@ import datetime
 import json
 import math
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from typing import Any
 
@@ -44,6 +44,7 @@ OTHERS: tuple[Any, ...] = (
 KEYS = ("a", "", "material", "section", "source", "workflow", "particles", "ä", "a.b", "\u0000", "é" * 200,
 "file",
         "law", "names", "-1", "999999999999999999999", "7" * 5000)  # fmt: skip
+FACTORS = (0.0, -1.0, 0.01, 0.1, 0.3, 0.5, 0.8, 1.001, 1.5, 2.0, 3.0, 10.0, 100.0)
 OPERATIONS = (
     "value",
     "value",
@@ -59,9 +60,13 @@ OPERATIONS = (
     "wrap",
     "deep",
 )
+MILD = ("nudge",) * 8 + ("scale", "value", "delete", "add", "twice", "swap", "turn")
+"""Changes after which most cases can still be read."""
 
 
-def spoilt(seeds: list[Document]) -> st.SearchStrategy[tuple[int, str]]:
+def spoilt(
+    seeds: list[Document], operations: Sequence[str] = OPERATIONS
+) -> st.SearchStrategy[tuple[int, str]]:
     """The number of one of `seeds`, and it with up to four changes as TOML."""
     values = st.one_of(
         st.sampled_from(WORDS),
@@ -72,7 +77,7 @@ def spoilt(seeds: list[Document]) -> st.SearchStrategy[tuple[int, str]]:
         st.text(max_size=12),
     )
     change = st.tuples(
-        st.sampled_from(OPERATIONS),
+        st.sampled_from(operations),
         st.integers(0, 10**6),
         st.integers(0, 10**6),
         values,
@@ -127,6 +132,45 @@ def _scale(places: list[Place], first: int, second: int, value: Any, key: str) -
         holder[name] = f"{number}e{power} {unit}"
     elif isinstance(found, int | float) and not isinstance(found, bool):
         holder[name] = found * 10**power if power > 0 else -found
+
+
+def _nudge(places: list[Place], first: int, second: int, value: Any, key: str) -> None:
+    """A number, or the number of a quantity, among all numbers of the document, times a small factor."""
+    numbers = [(holder, name) for holder, name in places if _number(holder[name]) is not None]
+    if not numbers:
+        return
+    holder, name = numbers[first % len(numbers)]
+    found, factor = holder[name], FACTORS[second % len(FACTORS)]
+    number = _number(found)
+    assert number is not None
+    if isinstance(found, str):
+        holder[name] = f"{number * factor:.6g} {found.partition(' ')[2]}"
+    else:
+        holder[name] = round(number * factor) if isinstance(found, int) else number * factor
+
+
+def _number(found: Any) -> float | None:
+    """The number of a value, 0 as a coordinate 1 so that it can be moved; None of what has none."""
+    if isinstance(found, bool):
+        return None
+    if isinstance(found, str):
+        text = found.partition(" ")[0]
+        try:
+            return float(text)
+        except ValueError:
+            return None
+    if isinstance(found, int | float) and abs(found) < 1e300:
+        return float(found) or 1.0
+    return None
+
+
+def _turn(places: list[Place], first: int, second: int, value: Any, key: str) -> None:
+    """A word by another word of the document: a material, a side, a kind, a name."""
+    words = [(holder, name) for holder, name in places if isinstance(holder[name], str)]
+    if words:
+        holder, name = words[first % len(words)]
+        other, at = words[second % len(words)]
+        holder[name] = other[at]
 
 
 def _unit(places: list[Place], first: int, second: int, value: Any, key: str) -> None:
@@ -203,7 +247,7 @@ def _deep(places: list[Place], first: int, second: int, value: Any, key: str) ->
 
 _CHANGES: Mapping[str, Callable[[list[Place], int, int, Any, str], None]] = {
     "value": _value, "scale": _scale, "unit": _unit, "delete": _delete, "rename": _rename, "add": _add,
-    "twice": _twice, "swap": _swap, "wrap": _wrap, "deep": _deep,
+    "twice": _twice, "swap": _swap, "wrap": _wrap, "deep": _deep, "nudge": _nudge, "turn": _turn,
 }  # fmt: skip
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 from hypothesis import HealthCheck, Phase, given, seed, settings
@@ -19,13 +20,18 @@ from geodem.io.checkpoint import PARTICLES, SEARCH, checksum, read_checkpoint, w
 from geodem.io.files import read_json
 from geodem.io.history import cut_history, read_history, write_history
 from geodem.io.run_folder import RunFolder, resumable
+from geodem.kinds import KINDS, AnyCase
 
-from . import fuzzing_cases, fuzzing_files, fuzzing_pictures
-from .fuzzing_judge import ROOT, Judge
+from . import fuzzing_cases, fuzzing_files, fuzzing_kinds, fuzzing_pictures
+from .fuzzing_judge import ROOT, SECONDS, Judge
 
 TEMPLATES, WORKFLOWS = ROOT / "geodem" / "templates", ROOT / "workflows"
 FEW, MANY = 400, 10**9
 """Particles between which a filling is only a matter of time."""
+LITTLE = 3 << 20
+"""Memory that is free where cases are checked [B]: a few thousand particles."""
+CHECKING = 60.0
+"""Longest time that `geodem check` may take of a case [s of the processor], kernels compiled among it."""
 LEGEND = {"#8c6d31": "soil", "#d62728": "seam"}
 
 
@@ -48,6 +54,11 @@ def fuzz(judge: Judge, folder: Path, count: int, number: int) -> None:
 
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
         one()
+
+
+def longest(family: str) -> float:
+    """Longest time that an input of a family may take [s of the processor]."""
+    return CHECKING if family == "checks" else SECONDS
 
 
 Family = tuple[st.SearchStrategy[Any], Callable[[Any], object]]
@@ -85,6 +96,59 @@ def _use(case: Any) -> None:
             fill(case, body)
 
 
+def _kinds(folder: Path) -> Family:
+    """Cases that have every table there is, small; what can be read can be read again as it is written."""
+    _write_beside(folder)
+
+    def read(item: tuple[int, str]) -> None:
+        case = parse_any(item[1], folder)
+        again(case, folder)
+
+    return fuzzing_cases.spoilt(fuzzing_cases.documents(list(fuzzing_kinds.SEEDS))), read
+
+
+def again(case: AnyCase, folder: Path) -> None:
+    """Raise AssertionError where a case cannot be read as it is written, or is another one then."""
+    text = case.as_run_text()
+    try:
+        twice = parse_any(text, folder).as_run_text()
+    except InputError as error:
+        raise AssertionError(f"the case as it is run cannot be read: {error}") from error
+    if twice != text:
+        lines = zip(text.splitlines(), twice.splitlines(), strict=False)
+        one, other = next((pair for pair in lines if pair[0] != pair[1]), ("", "more or fewer lines"))
+        raise AssertionError(f"the case as it is run is another one when it is read: {one} | {other}")
+
+
+def _checks(folder: Path) -> Family:
+    """`geodem check` of cases of every kind, on a machine that has little memory left."""
+    from rich.console import Console
+
+    _write_beside(folder)
+
+    def read(item: tuple[int, str]) -> None:
+        case = parse_any(item[1], folder)
+        with _little_memory():
+            KINDS[case.workflow].check(case, folder / "check.png", Console(file=io.StringIO()))
+
+    documents = fuzzing_cases.documents(list(fuzzing_kinds.SEEDS))
+    return fuzzing_cases.spoilt(documents, fuzzing_cases.MILD), read
+
+
+def _write_beside(folder: Path) -> None:
+    for name, text in fuzzing_kinds.BESIDE.items():
+        (folder / name).write_text(text, encoding="utf-8")
+
+
+@contextlib.contextmanager
+def _little_memory() -> Iterator[None]:
+    """So little that what is not refused is made within seconds: what would take hours must be refused then."""
+    with contextlib.ExitStack() as stack:
+        for place in ("geodem.builders.memory", "geodem.builders.filling"):
+            stack.enter_context(patch(f"{place}.available_bytes", lambda: LITTLE))
+        yield
+
+
 def _case_text(folder: Path) -> Family:
     """Bytes of case files."""
     seeds = [text.encode() for text, _ in fuzzing_files.cases(TEMPLATES, WORKFLOWS)]
@@ -94,6 +158,19 @@ def _case_text(folder: Path) -> Family:
         load_any(folder)
 
     return fuzzing_cases.spoilt_text(seeds), read
+
+
+def _tables_of_runs(folder: Path) -> Family:
+    """Tables of comma-separated values that a sweep names."""
+    _write_beside(folder)
+    path = folder / "runs.csv"
+    sweep = fuzzing_kinds.SWEEP
+
+    def read(content: bytes) -> None:
+        path.write_bytes(content)
+        parse_any(sweep, folder)
+
+    return fuzzing_cases.spoilt_text([path.read_bytes()]), read
 
 
 def _materials(folder: Path) -> Family:
@@ -265,7 +342,10 @@ def _fillings(folder: Path) -> Family:
 
 FAMILIES: dict[str, Callable[[Path], Family]] = {
     "cases": _cases,
+    "kinds": _kinds,
+    "checks": _checks,
     "case text": _case_text,
+    "tables of runs": _tables_of_runs,
     "materials": _materials,
     "pictures": _pictures,
     "meshes": _meshes,

@@ -50,10 +50,13 @@ class Judge:
     ----------
     family : str
         Of the inputs.
+    seconds : float, optional
+        Longest time that one of them may take [s of the processor]; `SECONDS` if left out.
     """
 
-    def __init__(self, family: str) -> None:
+    def __init__(self, family: str, seconds: float | None = None) -> None:
         self.family = family
+        self.seconds = seconds
         self.cases = 0
         self.refused = 0
         self.slowest = 0.0
@@ -63,8 +66,9 @@ class Judge:
         """Let `read` have the input; `given` shows it where something is found."""
         self.cases += 1
         begun = time.process_time()
+        seconds = SECONDS if self.seconds is None else self.seconds
         try:
-            with _in_time(SECONDS), warnings.catch_warnings():
+            with _in_time(seconds), warnings.catch_warnings():
                 # a warning of numpy on the screen tells a user as little as a traceback
                 warnings.simplefilter("error", RuntimeWarning)
                 read()
@@ -76,7 +80,7 @@ class Judge:
             self.refused += 1
             self._words(error, given)
         except OverdueError as error:
-            self._keep(f"not done within {SECONDS:g} s", _where(error), given)
+            self._keep(f"not done within {seconds:g} s", _where(error), given)
         except (Exception, SystemExit) as error:
             self._keep(f"{type(error).__name__}: {error}"[:200], _where(error), given)
         finally:

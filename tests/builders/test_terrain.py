@@ -238,7 +238,11 @@ def test_files_that_are_no_terrain_are_refused(tmp_path):
     refused("a.tif", "no TIFF|damaged", b"no tiff at all")
     refused("a.asc", "lacks ncols", b"1 2 3\n4 5 6\n")
     refused("b.asc", "has 3 heights", b"ncols 2\nnrows 2\ncellsize 1\n1 2 3\n")
-    refused("c.asc", "damaged", b"ncols 2\nnrows 1\ncellsize 1\n1 two\n")
+    refused(
+        "c.asc", r"a height is no number.*'1,5'.*decimal points", b"ncols 2\nnrows 1\ncellsize 1\n1 1,5\n"
+    )
+    holes = b"ncols 2\nnrows 2\ncellsize 1\nnodata_value -9\n-9 -9\n-9 -9\n"
+    refused("d.asc", "all of its 4 heights are missing.*no-data value", holes)
     import tifffile
 
     tifffile.imwrite(tmp_path / "plain.tif", np.zeros((4, 4), dtype=np.float32))

@@ -142,7 +142,7 @@ MESH = 'mesh = "section.msh"'
         (f'terrain = "hill.asc"\n{LINE}', ("rock",), r"section\.base: missing"),
         (TERRAIN.replace('"30 m"', "30"), ("rock",),
          r'section\.base = 30: a bare number; a length needs its unit.*"30 m"'),
-        (TERRAIN.replace('"30 m"', '"60 m"'), ("rock",), r"section\.base = 60\.0: the surface goes down to 54 m"),
+        (TERRAIN.replace('"30 m"', '"60 m"'), ("rock",), r"section\.base = '60 m': the surface goes down to 54 m"),
         (TERRAIN.replace("90", "900"), ("rock",), r"section\.line: it leaves the terrain at"),
         (TERRAIN.replace("[90, 40]", "[90]"), ("rock",), r"section\.line\[1\] = \[90\]: two numbers are needed"),
         (TERRAIN, ("rock", "soil"), r"section\.layers: missing.*from the surface down"),
