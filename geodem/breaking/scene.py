@@ -193,6 +193,12 @@ def build_scene(
     )
 
 
+LOOSE = (
+    'Hold them, or bond them to what is held; or leave [initial_stress] out and begin with a stage of kind = "settle"'
+)
+"""What to do about particles that keep ground from its initial stress."""
+
+
 def start(scene: BondedScene, **options: Any) -> tuple[ParticleSimulation, InitialStress | None]:
     """A simulation of a scene, brought to its initial stress where it has one.
 
@@ -209,7 +215,12 @@ def start(scene: BondedScene, **options: Any) -> tuple[ParticleSimulation, Initi
     simulation = ParticleSimulation(scene.assembly, **options)
     if scene.initial_stress is None:
         return simulation, None
-    return simulation, set_initial_stress(simulation, scene.initial_stress)
+    try:
+        return simulation, set_initial_stress(simulation, scene.initial_stress)
+    except InputError as error:
+        if error.place != "assembly":
+            raise
+        raise InputError("initial_stress", error.problem, LOOSE) from error
 
 
 def check_stress(wanted: WantedStress, supports: Mapping[str, str], dimension: int) -> None:

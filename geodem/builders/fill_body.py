@@ -32,6 +32,12 @@ GOOD = 0.002
 # particles that all tries together may have, and tries that there are at least
 WORK = 2_000_000
 FEWEST_TRIES = 8
+# points of the repeated arrangement that all tries together may look at
+LOOKS = 300_000_000
+# looks over particles: in a box that is emptier the ground is scattered
+EMPTIEST = 50.0
+# of a particle: a body thinner than that is mistaken
+THINNEST = 0.1
 # points that are asked for their material at once
 CHUNK = 400_000
 # particles across a layer below which a remark is made, and particles that are looked at for it
@@ -101,8 +107,12 @@ def fill_body(
     mean = float(volumes(pattern.radii, body.dimension).mean()) / pattern.solid_fraction
     expected = float(body.sizes.sum()) / mean
     refuse_too_large(body.dimension, int(expected), place="fill_body")
+    _refuse_thin(body, mean)
+    looks = len(pattern.radii) * float(np.prod(np.ceil(np.ptp(body.bounds, axis=0) / pattern.box) + 1.0))
+    _refuse_scattered(body, looks, expected)
     fixed = arrangement == "pixel"
     tries = min(whole_number("shifts", shifts), max(FEWEST_TRIES, WORK // max(1, int(expected))))
+    tries = max(1, min(tries, int(LOOKS / looks)))
     best: _Cut | None = None
     for offset in _offsets(pattern.unit, 1 if fixed else tries):
         cut = _cut(body, pattern, offset)
@@ -174,6 +184,30 @@ def _cut(body: Body, pattern: Pattern, offset: Floats) -> _Cut:
     own = np.bincount(kinds, volumes(sizes, len(low)), minlength=len(body.materials))
     worst = np.abs(own / pattern.solid_fraction / np.asarray(body.sizes) - 1.0).max()
     return _Cut(np.concatenate(positions), sizes, kinds, float(worst))
+
+
+def _refuse_thin(body: Body, mean: float) -> None:
+    """Raise InputError where a body is far thinner than one of its particles, `mean` [m2, m3] with its voids."""
+    sides = np.ptp(body.bounds, axis=0)
+    spacing = mean ** (1.0 / body.dimension)
+    if sides.min() < THINNEST * spacing:
+        shown = " by ".join(f"{side:.4g} m" for side in sides)
+        raise InputError(
+            "fill_body", f"the ground is {shown}, far thinner than a particle of about {spacing:.4g} m",
+            "Check the units of its sides, or take smaller particles, or more of them.",
+        )  # fmt: skip
+
+
+def _refuse_scattered(body: Body, looks: float, expected: float) -> None:
+    """Raise InputError where the box around a body is nearly empty, and so large that it cannot be looked through."""
+    if looks > max(LOOKS, EMPTIEST * expected):
+        sides = np.ptp(body.bounds, axis=0)
+        shown = " by ".join(f"{side:.4g} m" for side in sides)
+        share = float(body.sizes.sum()) / float(np.prod(sides))
+        raise InputError(
+            "fill_body", f"the ground reaches over {shown} and fills {share:.2g} of it",
+            "Check the units of its corners, and leave out what lies far away.",
+        )  # fmt: skip
 
 
 def _refuse_empty(body: Body, cut: _Cut, pattern: Pattern) -> None:

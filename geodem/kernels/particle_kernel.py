@@ -55,6 +55,8 @@ class Features:
         Mass-scaled adaptive relaxation instead of true motion.
     energy : bool
         Energy account.
+    idle_account : bool
+        There are columns of an energy account, which this kernel does not keep: joints lie behind them.
     sleep : bool
         Chunks at rest are skipped.
     periodic : bool
@@ -88,6 +90,7 @@ class Features:
     global_damping: bool = False
     relax: bool = False
     energy: bool = False
+    idle_account: bool = False
     sleep: bool = False
     periodic: bool = False
     blocked: bool = False
@@ -101,7 +104,7 @@ class Features:
             contact,
             bond,
             dimension=self.dimension,
-            energy=self.energy,
+            energy=self.energy or self.idle_account,
             shear=self.shear,
             joints=self.joints(),
         )
@@ -138,7 +141,7 @@ class Features:
         """The same scene for the static relaxation: no real time, hence nothing that damps it."""
         return replace(
             self, relax=True, global_damping=True, local_damping=False, contact_viscous=False, bond_viscous=False,
-            energy=False, sleep=False,
+            energy=False, idle_account=self.energy and bool(self.joint_laws), sleep=False,
         )  # fmt: skip
 
 

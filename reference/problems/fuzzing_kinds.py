@@ -76,6 +76,7 @@ _TUNNEL_HEAD = """\
 workflow = "tunnel"
 title = "Tunnel"
 particles = 950
+wall_spacing = "0.7 m"
 seed = 1
 increments = 6
 ground_reaction = true
@@ -108,7 +109,7 @@ horseshoe = {floor = [0, 0], width = "6 m", height = "5 m"}
 
 [[excavation]]
 name = "bench"
-polygon = [[-3, -3], [3, -3], [3, 0], [-3, 0]]
+polygon = [[6, -3], [9, -3], [9, 0], [6, 0]]
 
 [[stage]]
 name = "heading passes"
@@ -164,7 +165,7 @@ tolerance = 0.05
 )
 
 DEEP_TUNNEL = (
-    _TUNNEL_HEAD.replace("particles = 950", 'spacing = "3 m"\nwall_spacing = "0.8 m"')
+    _TUNNEL_HEAD.replace("particles = 950", 'spacing = "3 m"')
     + """
 [boundary]
 left = "far"
@@ -229,6 +230,8 @@ seed = 3
 angle_scatter = "3 deg"
 spacing_scatter = 0.1
 trace_scatter = 0.1
+cohesion = "20 kPa"
+tensile_strength = "20 kPa"
 friction_angle = "30 deg"
 normal_stiffness = "1 GPa/m"
 
@@ -274,7 +277,9 @@ points = [[0, 10.5], [3.5, 10.5]]
 thickness = "0.2 m"
 young_modulus = "20 GPa"
 closed = false
+"""
 
+_STRESS = """
 [initial_stress]
 k0 = 0.6
 unit_weight = "25 kN/m3"
@@ -317,6 +322,7 @@ GROUND = (
     + _ROCKS
     + _GOUGE
     + _STRUCTURES
+    + _STRESS
 )
 
 BREAKING = (
@@ -408,7 +414,7 @@ REINFORCED = (
     + _ROCKS
     + _GOUGE
     + _STRUCTURES
-    + '\n[[stage]]\nkind = "strength-reduction"\ntolerance = 0.2\n'
+    + '\n[[stage]]\nkind = "settle"\n\n[[stage]]\nkind = "strength-reduction"\ntolerance = 0.2\n'
 )
 
 BLOCK = (
@@ -459,7 +465,6 @@ grout_stiffness = "100 MPa"
 x = "0.2 MPa"
 y = "0.3 MPa"
 z = "0.1 MPa"
-xy = "0.01 MPa"
 
 [[stage]]
 kind = "excavate"
@@ -472,6 +477,40 @@ time = "0.1 s"
 """
     + _ROCK.replace("{name}", "rock")
     + _ROCK.replace("{name}", "seam")
+)
+
+SPALLING = (
+    """\
+workflow = "breaking"
+title = "Hole under stress"
+
+[source]
+box = ["16 m", "16 m"]
+origin = ["-8 m", "-8 m"]
+
+[particles]
+particles = 300
+
+[boundary]
+left = "fixed"
+right = "fixed"
+top = "fixed"
+
+[loads]
+gravity = "0 m/s2"
+
+[initial_stress]
+x = "120 kPa"
+y = "45 kPa"
+xy = "5 kPa"
+
+[[stage]]
+kind = "excavate"
+centre = [0, 0]
+radius = "2 m"
+shares = 5
+"""
+    + _ROCK.replace("{name}", "rock")
 )
 
 GRAINS = """\
@@ -692,7 +731,7 @@ BESIDE = {
 """Files that a sweep names."""
 
 SEEDS = (
-    SLOPE, RUNOUT, TUNNEL, DEEP_TUNNEL, GROUND, BREAKING, REINFORCED, BLOCK, GRAINS, SPRINGS, CUTTING, LABORATORY,
-    CALIBRATION, SWEEP,
+    SLOPE, RUNOUT, TUNNEL, DEEP_TUNNEL, GROUND, BREAKING, REINFORCED, BLOCK, SPALLING, GRAINS, SPRINGS, CUTTING,
+    LABORATORY, CALIBRATION, SWEEP,
 )  # fmt: skip
 """One or more of each kind; `fuzzing_files.write_sources` makes what they name, with `BESIDE`."""

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from geodem.breaking.faults import with_band
-from geodem.breaking.scene import build_scene
+from geodem.breaking.scene import build_scene, start
 from geodem.breaking.structures import BoltPlan, JointPlan, LiningPlan
 from geodem.builders.bolts import Bar, Grout
 from geodem.builders.joints import segment
 from geodem.errors import InputError
+from geodem.preparation.initial_stress import far_field
 from tests.breaking.scenes import ROCK, lattice, random_ground
 
 JOINT = {"normal_stiffness": 1e10, "shear_stiffness": 5e9, "friction_coefficient": 0.6}
@@ -50,6 +51,31 @@ def test_bolts_and_linings_are_set():
     ids = lined.structures.linings["slab"]
     # r = sqrt(3 EI / EA): half of a solid section's height
     assert lined.assembly.radii[ids[0]] == pytest.approx(0.15)
+
+
+def test_joints_are_there_on_the_way_to_an_initial_stress_whether_energy_is_counted_or_not():
+    """The account's columns lie before those of joints; a relaxation that counts no energy must not forget them."""
+    scene = random_ground(
+        300, joints=[plan((0.0, 4.0), (10.0, 4.5), cohesion=1e6, tensile_strength=1e5)],
+        bolts=[bolt((3.0, 8.0), (3.0, 4.5))], initial_stress=far_field(np.diag([-2e6, -1e6])),
+    )  # fmt: skip
+    plain, _ = start(scene, applied=True)
+    counted, found = start(scene, applied=True, energy=True)
+    assert found is not None
+    assert found.measured[0] == pytest.approx(np.diag([-2e6, -1e6]), abs=5e4)
+    assert np.array_equal(plain.positions, counted.positions)
+
+
+def test_what_floats_keeps_ground_from_its_initial_stress():
+    top = np.array([[1.0, 8.9], [9.0, 8.9]])
+    floating = LiningPlan("slab", top, 1e9, 1e9 * 0.3**2 / 12.0, 750.0)
+    scene = random_ground(
+        300, linings=[floating], gravity=(0.0, -9.81), initial_stress=far_field(np.diag([-2e6, -1e6]))
+    )
+    with pytest.raises(
+        InputError, match=r"^initial_stress: particles .* can move without .* or leave \[initial_st"
+    ):
+        start(scene, applied=True)
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from geodem.builders.body_filling_file import load_filling, save_filling
 from geodem.builders.fill_body import fill_body
 from geodem.builders.grid_body import grid_body
 from geodem.builders.packings import volumes
+from geodem.builders.section_body import box_body
 from geodem.errors import InputError
 
 CONTACT = {"normal_stiffness": 1e7, "shear_stiffness": 5e6, "friction_coefficient": 0.5}
@@ -51,6 +52,23 @@ class Ball:
         found = np.where(step[:, -1] > 0.0, 0, 1).astype(np.int32)
         found[(step**2).sum(axis=1) > 1.0] = -1
         return found
+
+
+@dataclass
+class Scattered(Ball):
+    """The same in a box that reaches to a place far away."""
+
+    @property
+    def bounds(self):
+        return np.array([[1.0] * self.dimension, [1e9] * self.dimension])
+
+
+def test_sizes_that_are_mistaken_are_refused_before_anything_is_looked_for():
+    with pytest.raises(InputError, match=r"1\.6e\+11 m by 16 m, far thinner than a particle of about 9\.2"):
+        fill_body(box_body((16e10, 16.0), [("rock", 1.0)]), particles=300)
+    for dimension in (2, 3):
+        with pytest.raises(InputError, match=r"reaches over 1e.09 m by 1e.09 m.*and fills"):
+            fill_body(Scattered(dimension), particles=300)
 
 
 LATTICES = [(2, "square"), (2, "hexagonal"), (3, "simple_cubic"), (3, "bcc"), (3, "fcc"), (3, "hcp")]

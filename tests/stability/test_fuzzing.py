@@ -10,7 +10,8 @@ from reference.problems.fuzzing_judge import Judge, limited
 
 SEED = 7
 COUNTS = {
-    "cases": 120, "kinds": 60, "checks": 12, "case text": 40, "tables of runs": 30, "materials": 40, "pictures": 12, "meshes": 60, "terrains": 50, "checkpoints": 60,
+    "cases": 120, "kinds": 60, "checks": 12, "case text": 40, "tables of runs": 30,
+    "materials": 40, "pictures": 12, "meshes": 60, "terrains": 50, "checkpoints": 60,
     "histories": 30, "results": 30, "fillings": 20,
 }  # fmt: skip
 
