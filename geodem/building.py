@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -14,6 +16,7 @@ from .case import Case, ImageSection, MeshSection, RegionSection, SectionOptions
 from .errors import InputError
 from .measure.failing_zone import FailingZone
 from .model import Model
+from .units import show
 
 QUICK_PARTICLES = 1000
 QUICK_TOLERANCE = 0.02
@@ -69,18 +72,35 @@ def make_particles(
         from .builders.from_mesh import particles_from_mesh
 
         return particles_from_mesh(spec.mesh)
-    return fill_section(
-        section,
-        particles=particles,
-        spacing=spacing,
-        packing="hexagonal" if case.packing == "hexagonal" else "random",
-        seed=case.seed,
-        layers=spec.layers,
-        thin="refuse" if spec.thin == "refuse" else "refine",
-        refine=refinements(section, spec),
-        focus=() if focus is None else [focus],
-        points=[point for s in case.loads.surcharge for point in (s.start, s.end)],
-    )
+    with told_at_section():
+        return fill_section(
+            section,
+            particles=particles,
+            spacing=spacing,
+            packing="hexagonal" if case.packing == "hexagonal" else "random",
+            seed=case.seed,
+            layers=spec.layers,
+            thin="refuse" if spec.thin == "refuse" else "refine",
+            refine=refinements(section, spec),
+            focus=() if focus is None else [focus],
+            points=[point for s in case.loads.surcharge for point in (s.start, s.end)],
+        )
+
+
+@contextmanager
+def told_at_section() -> Iterator[None]:
+    """Errors of filling a section at the keys of the case that they come from."""
+    try:
+        yield
+    except TooFewParticlesError:
+        raise
+    except InputError as error:
+        place, value = error.place, error.value
+        if place.startswith("refine["):
+            place, value = f"section.{place}.spacing", show(float(str(value)), "length")
+        elif place in ("layers", "thin"):
+            place = f"section.{place}"
+        raise InputError(place, error.problem, error.remedy, value=value, picture=error.picture) from error
 
 
 def make_model(case: Case, particles: Particles) -> Model:

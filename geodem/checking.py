@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ._jit import cache_folder, set_threads
 from .case import load_any
-from .errors import InputError
+from .errors import InputError, UnstableError
 from .kinds import KINDS
 from .provenance import versions
 from .workflow import default_folder
@@ -45,7 +45,13 @@ def check_case(path: Path, picture: Path | None, console: Console) -> dict[str, 
         )
     case = load_any(path)
     drawn = picture or Path(f"{default_folder(path).name.removesuffix('-result')}-check.png")
-    return KINDS[case.workflow].check(case, drawn, console)
+    try:
+        return KINDS[case.workflow].check(case, drawn, console)
+    except UnstableError as error:
+        raise InputError(
+            str(path), f"its first steps come to nothing: {str(error).rstrip('.')}",
+            "Check the units of loads, stiffnesses, densities and sizes",
+        ) from error  # fmt: skip
 
 
 def show_info(console: Console) -> None:

@@ -20,7 +20,7 @@ import typer
 from rich.console import Console
 
 from .check_printing import escaped
-from .errors import InputError, StoppedError
+from .errors import InputError, StoppedError, UnstableError
 from .kinds import KINDS
 from .telling import progress_line, tell
 
@@ -284,6 +284,9 @@ def main() -> None:
         app()
     except InputError as error:
         complaints.print(f"[bold red]Cannot go on.[/] {escaped(str(error))}")
+        sys.exit(2)
+    except UnstableError as error:
+        complaints.print(f"[bold red]Cannot go on.[/] The motion {escaped(str(error))}")
         sys.exit(2)
     except StoppedError as error:
         complaints.print(f"[yellow]{escaped(str(error))}[/]")

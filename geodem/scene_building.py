@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,10 +23,10 @@ from .builders.joints import Joint, dip_normal, disc, plane, polyline, segment
 from .case.ground import GroundCase, GroundGrains
 from .case.scene import BoltOptions, FacePlace, JointSetOptions, LiningOptions, SceneCase, StressOptions
 from .case.scene_joints import law_parameters
-from .case.table import join
 from .errors import InputError
 from .ground_building import GroundBody, fill, make_body
 from .preparation.initial_stress import WantedStress, far_field, ground_stress
+from .units import show
 
 Floats = NDArray[np.float64]
 _RING = 96
@@ -75,7 +76,8 @@ def scene_of(case: SceneCase, body: Body, filling: BodyFilling, *, walls: Sequen
         for k, one in enumerate(case.joints)
     ]
     joints += [
-        JointPlan(one.name, _joint_set(one, body), law_parameters(one.parameters)) for one in case.joint_sets
+        JointPlan(one.name, _joint_set(one, body, f"joint_set[{k}]"), law_parameters(one.parameters))
+        for k, one in enumerate(case.joint_sets)
     ]
     bolts = [plan for k, one in enumerate(case.bolts) for plan in _bolts(one, d, f"bolt[{k}]")]
     return build_scene(
@@ -129,26 +131,27 @@ def _joint(place: FacePlace, body: Body, where: str) -> Joint:
     return disc(middle, normal, place.radius, "joint")
 
 
-def _joint_set(one: JointSetOptions, body: Body) -> list[Joint]:
+def _joint_set(one: JointSetOptions, body: Body, place: str) -> list[Joint]:
     scatter = JointScatter(one.seed, one.angle_scatter, one.spacing_scatter, one.trace_scatter)
     bounds = np.asarray(body.bounds)
     # the middle of the ground where nothing is said: joints lie evenly in it
     origin = 0.5 * (bounds[0] + bounds[1]) if one.origin is None else np.array(one.origin)
-    place = join("joint_set", one.name)
     _refuse_dimension(tuple(origin), body.dimension, f"{place}.origin")
     if body.dimension == 2:
         if one.angle is None:
             raise InputError(f"{place}.angle", "missing: the ground is 2D", 'Write angle = "35 deg"')
-        return joint_set_2d(
-            bounds, "joint", angle=one.angle, spacing=one.spacing, trace=one.trace, gap=one.gap, origin=origin,
-            scatter=scatter,
-        )  # fmt: skip
-    if one.dip is None or one.dip_direction is None:
+        make = partial(joint_set_2d, angle=one.angle)
+    elif one.dip is None or one.dip_direction is None:
         raise InputError(f"{place}.dip", "missing: the ground is 3D", "Give dip and dip_direction")
-    return joint_set_3d(
-        bounds, "joint", dip=one.dip, dip_direction=one.dip_direction, spacing=one.spacing, trace=one.trace,
-        gap=one.gap, origin=origin, scatter=scatter,
-    )  # fmt: skip
+    else:
+        make = partial(joint_set_3d, dip=one.dip, dip_direction=one.dip_direction)
+    try:
+        return make(
+            bounds, "joint", spacing=one.spacing, trace=one.trace, gap=one.gap, origin=origin, scatter=scatter
+        )
+    except InputError as error:
+        shown = show(one.spacing, "length")
+        raise InputError(f"{place}.spacing", error.problem, error.remedy, value=shown) from error
 
 
 def _bolts(one: BoltOptions, dimension: int, where: str) -> list[BoltPlan]:

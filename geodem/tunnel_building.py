@@ -8,7 +8,7 @@ import shapely
 
 from .builders.filling import TooFewParticlesError
 from .builders.ground import STANDARD_GRAVITY, Surcharge
-from .building import ground_properties, refinements, section_of
+from .building import ground_properties, refinements, section_of, told_at_section
 from .case.mesh_section import MeshSection
 from .case.tunnel import TunnelCase
 from .errors import InputError, InputErrors
@@ -34,19 +34,20 @@ def build_tunnel(case: TunnelCase) -> tuple[TunnelGround, Plan]:
     if errors:
         raise InputErrors(errors)
     weightless = isinstance(case.initial, UniformStress)
-    ground = make_tunnel_ground(
-        section,
-        plan.openings,
-        {name: ground_properties(material) for name, material in case.materials.items()},
-        boundary=dict(case.boundary),
-        particles=case.particles,
-        spacing=case.spacing,
-        wall_spacing=case.wall_spacing,
-        seed=case.seed,
-        surcharges=[Surcharge(s.start, s.end, s.pressure) for s in case.surcharge],
-        refine=refinements(section, case.section),
-        gravity=0.0 if weightless else STANDARD_GRAVITY,
-    )
+    with told_at_section():
+        ground = make_tunnel_ground(
+            section,
+            plan.openings,
+            {name: ground_properties(material) for name, material in case.materials.items()},
+            boundary=dict(case.boundary),
+            particles=case.particles,
+            spacing=case.spacing,
+            wall_spacing=case.wall_spacing,
+            seed=case.seed,
+            surcharges=[Surcharge(s.start, s.end, s.pressure) for s in case.surcharge],
+            refine=refinements(section, case.section),
+            gravity=0.0 if weightless else STANDARD_GRAVITY,
+        )
     return ground, plan
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from PIL import Image, ImageDraw
 
+from geodem.errors import UnstableError
 from tests.small_cases import SLOPE, Answer, environment, geodem, result_of, write_case
 
 REGIONS = SLOPE[SLOPE.index("regions") : SLOPE.index("\n\n[boundary]")]
@@ -407,6 +408,21 @@ def test_usage(arguments, call):
     assert answer.status == 2
     assert "Usage: " in answer.err
     assert "Traceback" not in answer.err
+
+
+def test_a_motion_that_comes_to_nothing_is_no_defect_of_ours(tmp_path, call, monkeypatch):
+    def lost(*arguments, **options):
+        raise UnstableError("it goes 1e9 m in one step", "Take a shorter time step", step=3, particle=5)
+
+    monkeypatch.setattr("geodem.workflow.run_case", lost)
+    monkeypatch.setattr("geodem.slope_check.check_slope", lost)
+    case = write_case(tmp_path / "case")
+    refused(
+        call("run", case, "--out", tmp_path / "out"), "after step 3, particle 5", "Take a shorter time step"
+    )
+    refused(
+        call("check", case), "its first steps come to nothing: after step 3, particle 5", "Check the units"
+    )
 
 
 def test_a_defect_says_so(tmp_path, call, monkeypatch):

@@ -31,6 +31,8 @@ STAGES: Mapping[str, tuple[str, ...]] = {
 }
 """Kinds of stages and their keys, beside kind and name."""
 
+MOST = 10_000
+"""Frames of a stage, and steps in which forces go to nothing."""
 EXAMPLE = '{kind = "settle"}'
 _NEEDED = {
     "gravity": ("factor",),
@@ -105,6 +107,9 @@ def _read(row: Table, places: Places) -> StageOptions | None:
         value = spec.read(row, key, places) if key in row else usual
         if value is not None:
             values[key] = value
+    if values.get("time", 0.0) > MOST * values.get("frames_every", math.inf):
+        problem = f"this makes {values['time'] / values['frames_every']:.3g} frames ({MOST:,} at most)"
+        row.error("frames_every", problem, "Write a longer time.")
     if kind == "excavate":
         _excavation(row)
     if kind == "remove-wall" and ("from" in row) != ("to" in row):
@@ -167,7 +172,11 @@ def _quantity(dimension: str, example: str) -> _Key:
 
 
 def _read_whole(row: Table, key: str, places: Places) -> int | None:
-    return row.integer(key, smallest=1, remedy="Write a whole number such as 10.")
+    value = row.integer(key, smallest=1, remedy="Write a whole number such as 10.")
+    if value is not None and value > MOST:
+        row.error(key, f"so many steps are no use ({MOST:,} at most)", "Write a whole number such as 10.")
+        return None
+    return value
 
 
 def _read_flag(row: Table, key: str, places: Places) -> bool | None:
@@ -216,11 +225,11 @@ _POINT = _Key(lambda row, key, places: places.point(row, key), point_text, None,
 _FLAG = (_read_flag, _flag_text)
 _KEYS: Mapping[str, _Key] = {
     "rest": _number(_USUAL.rest, high=0.1, example="1e-4"),
-    "patience": _number(1.0, example="2"),
+    "patience": _number(1.0, high=1e4, example="2"),
     "factor": _number(None, example="2"),
     "start": _number(_USUAL_PLAN.start, example="1"),
     "step": _number(_USUAL_PLAN.step, high=10.0, example="0.5"),
-    "tolerance": _number(_USUAL_PLAN.tolerance, high=1.0, example="0.05"),
+    "tolerance": _number(_USUAL_PLAN.tolerance, low=1e-6, high=1.0, example="0.05"),
     "highest": _number(_USUAL_PLAN.highest, high=1000.0, example="20"),
     "failed_diameters": _number(_USUAL.failed_diameters, example="2"),
     "moving_share": _number(_USUAL.moving_share, high=1.0, example="0.005"),

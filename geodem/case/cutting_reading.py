@@ -27,6 +27,7 @@ TOOL = 'rake = "15 deg", friction_angle = "20 deg", depth = "5 mm", speed = "3 m
 CLEARANCE = math.radians(10.0)
 STEEP = math.radians(75.0)
 """Rake beyond which a tool looks mistaken."""
+MOST_FRAMES = 10_000
 FAST = 50.0
 """Speed beyond which a tool looks mistaken [m/s]."""
 
@@ -68,6 +69,8 @@ def _plan(top: Table) -> CuttingPlan | None:
     findings = top.findings
     before = len(findings.errors)
     frames = top.integer("frames", smallest=1, remedy="Write a whole number such as 20.")
+    if frames is not None and frames > MOST_FRAMES:
+        top.error("frames", f"so many are no use ({MOST_FRAMES:,} at most)", "Write a number such as 20.")
     if "frames" not in top:
         findings.default("frames", str(FRAMES))
     damping = top.quantity("local_damping", "dimensionless", check=_damping)
@@ -141,8 +144,12 @@ def _plan(top: Table) -> CuttingPlan | None:
 
 
 def at_key(error: InputError) -> InputError:
-    """The same error at its key of the case: "tool, rake" is tool.rake."""
-    return InputError(error.place.replace("tool, ", "tool."), error.problem, error.remedy, value=error.value)
+    """The same error at its key of the case: "tool, rake" is tool.rake; lengths and speeds with their units."""
+    place, value = error.place.replace("tool, ", "tool."), error.value
+    key = place.removeprefix("tool.")
+    if key in TOOL_KEYS and isinstance(value, float):
+        value = units.show(value, "velocity" if key == "speed" else "length")
+    return InputError(place, error.problem, error.remedy, value=value)
 
 
 def _plausible(table: Table, rake: float | None, speed: float | None) -> None:

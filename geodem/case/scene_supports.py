@@ -12,6 +12,7 @@ from geodem.case.scene import BoltOptions, LiningOptions, StressOptions
 from geodem.case.scene_joints import point_text
 from geodem.case.section import positive
 from geodem.case.table import Table, quoted
+from geodem.case.tunnel_supports import BOLT_DIAMETER, LINING_THICKNESS, judge_size
 
 ALL_SIDES = SIDES[3]
 DEFAULTS = {"bottom": "fixed", "top": "free"}
@@ -31,6 +32,8 @@ STRESS_KEYS = ("k0", "unit_weight", "surface", *COMPONENTS)
 _STRESS = '[initial_stress] with k0 = 0.6, or x = "10 MPa" and y = "5 MPa"'
 STEEL = 7850.0
 """[kg/m3]"""
+STRONGEST = 5000.0
+"""Gravity that is plausible [m/s2]."""
 STEEL_MODULUS = 200e9
 """[Pa]"""
 
@@ -64,6 +67,7 @@ def read_gravity(top: Table, places: Places) -> tuple[float, ...] | float:
     value = table.content["gravity"]
     if not isinstance(value, list):
         found = table.quantity("gravity", "acceleration", check=_not_negative)
+        _judge_gravity(table, found or 0.0)
         return usual if found is None else found
     sizes = (2, 3) if places.dimension is None else (places.dimension,)
     if len(value) not in sizes:
@@ -71,7 +75,15 @@ def read_gravity(top: Table, places: Places) -> tuple[float, ...] | float:
         return usual
     keys = tuple(map(str, range(len(value))))
     inner = Table(table.findings, table.at("gravity"), dict(zip(keys, value, strict=True)), keys)
-    return tuple(inner.quantity(key, "acceleration") or 0.0 for key in keys)
+    vector = tuple(inner.quantity(key, "acceleration") or 0.0 for key in keys)
+    _judge_gravity(table, math.hypot(*vector))
+    return vector
+
+
+def _judge_gravity(table: Table, value: float) -> None:
+    if value > STRONGEST:
+        remedy = f"A centrifuge reaches {units.show(STRONGEST, 'acceleration')}: check the unit."
+        table.findings.implausible(table.at("gravity"), "no ground is as heavy as this", remedy)
 
 
 def read_bolts(top: Table, places: Places) -> tuple[BoltOptions, ...]:
@@ -86,7 +98,9 @@ def read_bolts(top: Table, places: Places) -> tuple[BoltOptions, ...]:
         head, end, step = (places.point(row, key) for key in ("from", "to", "step"))
         count = row.integer("count", smallest=1, remedy="Write a whole number such as 5.") or 1
         if count > MOST_BOLTS:
-            row.error("count", f"no row has so many bolts ({MOST_BOLTS:,} at most)", "Write how many there are.")
+            row.error(
+                "count", f"no row has so many bolts ({MOST_BOLTS:,} at most)", "Write how many there are."
+            )
         if count > 1 and "step" not in row:
             row.missing("step", "Write step = [1.5, 0], the way from one bolt to the next.")
         if head is not None and head == end:
@@ -116,6 +130,7 @@ def read_bolts(top: Table, places: Places) -> tuple[BoltOptions, ...]:
 def _steel(row: Table) -> dict[str, float]:
     """EA, yield force and mass of a bar, given by themselves or by its diameter and steel."""
     diameter = row.quantity("diameter", "length", check=positive)
+    judge_size(row, "diameter", diameter, BOLT_DIAMETER, "no bolt is as thick or thin as this")
     area = None if diameter is None else 0.25 * math.pi * diameter**2
     modulus = row.quantity("young_modulus", "stress", check=positive)
     stress = row.quantity("yield_strength", "stress", check=positive)
@@ -157,6 +172,7 @@ def read_linings(top: Table, places: Places) -> tuple[LiningOptions, ...]:
             if key not in row:
                 row.missing(key, f"Write {LINING_EXAMPLE}.")
         thickness = row.quantity("thickness", "length", check=positive)
+        judge_size(row, "thickness", thickness, LINING_THICKNESS, "no lining is as thick or thin as this")
         modulus = row.quantity("young_modulus", "stress", check=positive)
         density = row.quantity("density", "density", check=positive)
         if "density" not in row:

@@ -23,6 +23,7 @@ KEYS = (
 )  # fmt: skip
 MANY = 1000
 """Runs beyond which a sweep must say that so many are meant."""
+MOST_PROCESSES = 1000
 MOST = 100_000
 """Runs of a sweep, meant or not: every one is read before anything is run."""
 
@@ -69,6 +70,10 @@ def read_sweep(text: str, folder: Path) -> SweepCase:
     rows = read_list(list_file, findings) if list_file is not None else []
     together = _together(top, varied)
     processes = top.integer("processes", smallest=1, remedy="Write a whole number such as 2.")
+    if processes is not None and processes > MOST_PROCESSES:
+        top.error(
+            "processes", f"no machine does so many at a time ({MOST_PROCESSES:,} at most)", "Leave it out."
+        )
     threads = top.integer("threads", smallest=1, remedy="Write a whole number such as 1.")
     table = _table(top, base)
     if not varied and "vary" not in top and "runs" not in top:

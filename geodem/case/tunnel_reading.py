@@ -26,6 +26,7 @@ SUPPORTS = ("free", "roller", "fixed", "far")
 DEFAULT_PARTICLES = 4000
 DEFAULT_TOLERANCE = 0.01
 _FEW, _MANY = 300, 1_000_000
+MANY_INCREMENTS = 1000
 _STRESS_EXAMPLE = '[initial_stress] with k0 = 0.5, or with horizontal = "10 MPa" and vertical = "10 MPa"'
 
 
@@ -51,6 +52,10 @@ def parse_tunnel(text: str, folder: Path) -> TunnelCase:
     particles, spacing, wall = _resolution(top)
     seed = head.seed()
     increments = top.integer("increments", smallest=4, remedy="Write a whole number such as 20.")
+    if increments is not None and increments > MANY_INCREMENTS:
+        top.findings.implausible(
+            "increments", "so many take days", "Tunnels need 10 to 100.", value=increments
+        )
     if "increments" not in top:
         top.findings.default("increments", str(INCREMENTS), why="in which all of the forces are relaxed")
     defined = top.content.get("material")

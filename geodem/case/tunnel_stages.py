@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 
 from geodem.case.table import Table, listed, nearest
@@ -20,6 +20,7 @@ class _Site:
     dug: list[str] = field(default_factory=list)
     installed: list[str] = field(default_factory=list)
     relaxed: dict[str, float] = field(default_factory=dict)
+    mistaken: frozenset[str] = frozenset()  # supports that could not be read, which has been told
 
 
 def read_stages(
@@ -37,7 +38,7 @@ def read_stages(
     if "stage" not in top:
         top.missing("stage", f"Add [[stage]] as in {_EXAMPLE}, then one with relax = 1.")
         return ()
-    site = _Site()
+    site = _Site(mistaken=_named_in(top, "lining") | _named_in(top, "bolt"))
     stages = []
     for number, row in enumerate(top.rows("stage", KEYS, example=_EXAMPLE)):
         stage = _stage(row, number, names, supports, site)
@@ -73,7 +74,7 @@ def _stage(
         else:
             site.dug.append(name)
             site.relaxed[name] = 0.0
-    install = _named(row, "install", tuple(supports), "lining or bolt")
+    install = _named(row, "install", tuple(supports), "lining or bolt", site.mistaken)
     for name in install:
         wall = supports[name]
         if wall is not None and wall not in site.dug:
@@ -99,15 +100,25 @@ def _stage(
             )  # fmt: skip
         elif relax is not None:
             site.relaxed[name] = relax
-    if not (excavate or install or relax is not None or pressure is not None):
+    if not (excavate or row.content.get("install") or relax is not None or pressure is not None):
         row.findings.error(row.place, "nothing happens in this stage", f"Write for instance {_EXAMPLE}.")
     if len(row.findings.errors) > before:
         return None
     return Stage(title, excavate, install, opening, relax, pressure)
 
 
-def _named(row: Table, key: str, known: tuple[str, ...], what: str) -> tuple[str, ...]:
-    """A name or a list of names."""
+def _named_in(top: Table, key: str) -> frozenset[str]:
+    """Names of the tables of a list, whatever else is wrong with them."""
+    content = top.content.get(key)
+    rows = content if isinstance(content, list) else [content]
+    names = [row.get("name") for row in rows if isinstance(row, dict)]
+    return frozenset(name for name in names if isinstance(name, str))
+
+
+def _named(
+    row: Table, key: str, known: tuple[str, ...], what: str, mistaken: Collection[str] = ()
+) -> tuple[str, ...]:
+    """A name or a list of names; nothing is said of those in `mistaken`."""
     value = row.content.get(key)
     if value is None:
         return ()
@@ -115,7 +126,7 @@ def _named(row: Table, key: str, known: tuple[str, ...], what: str) -> tuple[str
     for name in [value] if isinstance(value, str) else row.items(key, example='"tunnel"'):
         if isinstance(name, str) and name in known:
             found.append(name)
-        else:
+        elif not (isinstance(name, str) and name in mistaken):
             hint = nearest(name, known) if isinstance(name, str) else ""
             row.error(key, f"there is no such {what}", f"{hint}Known: {listed(known)}.")
     return tuple(found)

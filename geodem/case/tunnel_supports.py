@@ -16,6 +16,9 @@ EXCAVATION_EXAMPLE = '{name = "tunnel", circle = {centre = [0, 0], diameter = "1
 LINING_EXAMPLE = '[[lining]] with name = "shell", thickness = "20 cm", young_modulus = "15 GPa"'
 BOLT_EXAMPLE = '[[bolt]] with name = "bolts", angles = ["30 deg", "90 deg"], length = "3 m"'
 STEEL = 200e9
+LINING_THICKNESS = 1e-3, 5.0
+BOLT_DIAMETER = 1e-3, 0.5
+"""What is plausible [m]."""
 _SHAPES = {"circle": ("centre", "diameter"), "horseshoe": ("floor", "width", "height")}
 LINING_KEYS = (
     "name", "excavation", "thickness", "young_modulus", "poisson_ratio", "compressive_strength", "tensile_strength",
@@ -128,6 +131,7 @@ def read_linings(top: Table, excavations: tuple[str, ...]) -> tuple[Lining, ...]
         ratio = row.quantity("poisson_ratio", "dimensionless", check=_poisson)
         if "poisson_ratio" not in row:
             row.findings.default(row.at("poisson_ratio"), "0.2")
+        judge_size(row, "thickness", thickness, LINING_THICKNESS, "no lining is as thick or thin as this")
         strengths = [row.quantity(key, "stress", check=positive) for key in LINING_KEYS[-2:]]
         if modulus is not None and not 1e8 <= modulus <= 3e11:
             row.findings.implausible(
@@ -143,6 +147,16 @@ def read_linings(top: Table, excavations: tuple[str, ...]) -> tuple[Lining, ...]
         limits = [math.inf if value is None else value for value in strengths]
         found.append(Lining(name, excavation, thickness, modulus, 0.2 if ratio is None else ratio, *limits))
     return tuple(found)
+
+
+def judge_size(
+    row: Table, key: str, value: float | None, plausible: tuple[float, float], problem: str
+) -> None:
+    """Refuse a size [m] outside what is plausible, until it is allowed."""
+    low, high = plausible
+    if value is not None and not low <= value <= high:
+        usual = f"Usual are {units.show(low, 'length')} to {units.show(high, 'length')}: check the unit."
+        row.findings.implausible(row.at(key), problem, usual, value=row.content[key])
 
 
 def _poisson(value: float) -> tuple[str, str] | None:
@@ -185,6 +199,7 @@ def read_bolts(top: Table, coordinates: Coordinates, excavations: tuple[str, ...
         wanted = [("diameter", "length"), ("yield_force", "force"), ("spacing", "length")]
         wanted += [("length", "length")] if radial else []
         values = {key: row.quantity(key, dimension, check=positive) for key, dimension in wanted}
+        judge_size(row, "diameter", values["diameter"], BOLT_DIAMETER, "no bolt is as thick or thin as this")
         for key in values:
             if key not in row:
                 row.missing(

@@ -15,12 +15,13 @@ from hypothesis import strategies as st
 
 from geodem.case.any_kind import load_any, parse_any
 from geodem.case.material_file import load_material
+from geodem.checking import check_case
 from geodem.errors import InputError
 from geodem.io.checkpoint import PARTICLES, SEARCH, checksum, read_checkpoint, write_checkpoint
 from geodem.io.files import read_json
 from geodem.io.history import cut_history, read_history, write_history
 from geodem.io.run_folder import RunFolder, resumable
-from geodem.kinds import KINDS, AnyCase
+from geodem.kinds import AnyCase
 
 from . import fuzzing_cases, fuzzing_files, fuzzing_kinds, fuzzing_pictures
 from .fuzzing_judge import ROOT, SECONDS, Judge
@@ -125,11 +126,12 @@ def _checks(folder: Path) -> Family:
     from rich.console import Console
 
     _write_beside(folder)
+    path, picture = folder / "spoilt.toml", folder / "check.png"
 
     def read(item: tuple[int, str]) -> None:
-        case = parse_any(item[1], folder)
+        path.write_bytes(item[1].encode(errors="surrogatepass"))
         with _little_memory():
-            KINDS[case.workflow].check(case, folder / "check.png", Console(file=io.StringIO()))
+            check_case(path, picture, Console(file=io.StringIO()))
 
     documents = fuzzing_cases.documents(list(fuzzing_kinds.SEEDS))
     return fuzzing_cases.spoilt(documents, fuzzing_cases.MILD), read

@@ -108,6 +108,13 @@ def test_every_stage_is_read_and_written_to_the_same_numbers(tmp_path):
         (SETTLE + '[[stage]]\nkind = "gravity"\nfactor = -1\n', "stage[1].factor", "above 0"),
         ('[motion]\ndamping = 1.5\n\n' + SETTLE, "motion.damping", "between 0 and 1"),
         ('[[wall]]\nname = "rock"\npoints = [[0, -5], [5, -5]]\n\n' + SETTLE, "wall[0].name", "has this name"),
+        (SETTLE + '[[stage]]\nkind = "run"\ntime = "1 s"\nframes_every = "1e-12 s"\n', "stage[1].frames_every",
+         "1e+12 frames (10,000 at most)"),
+        (SETTLE + '[[stage]]\nkind = "excavate"\nmaterial = "rock"\nshares = 1000000000\n', "stage[1].shares",
+         "10,000 at most"),
+        (SETTLE.replace("\n", "\npatience = 1e30\n", 1), "stage[0].patience", "at most 10000"),
+        (SETTLE + '[[stage]]\nkind = "gravity-increase"\ntolerance = 1e-300\n', "stage[1].tolerance", "above 1e-06"),
+        ('[loads]\ngravity = ["0 m/s2", "-9.81e30 m/s2"]\n\n' + SETTLE, "loads.gravity", "as heavy as this"),
         (POINT * 2 + SETTLE, "point[1].name", "another point"),
     ],
 )  # fmt: skip

@@ -50,6 +50,7 @@ def test_what_is_written_is_read_as_the_same(tmp_path):
         ({"speed": '"400 m/s"'}, "tool.speed", "fast"),
         ({"height": '"2 mm"'}, "tool.height", "below the surface"),
         ({"wear_flat": '"-1 mm"'}, "tool.wear_flat", "negative"),
+        ({"tip_radius": '"200 m"'}, "tool.tip_radius", "takes up most of the face"),
         ({"colour": '"red"'}, "tool.colour", "unknown key"),
     ],
 )
@@ -58,6 +59,11 @@ def test_bad_input_names_its_key_and_says_what_to_do(keys, place, words, tmp_pat
     assert place in found
     assert words in found[place].problem
     assert found[place].remedy
+
+
+def test_lengths_and_speeds_are_told_with_their_units(tmp_path):
+    found = errors_of(small_text(tip_radius='"200 m"'), tmp_path)
+    assert str(found["tool.tip_radius"]).startswith("tool.tip_radius = '200 m': ")
 
 
 def test_all_errors_come_at_once(tmp_path):

@@ -240,6 +240,8 @@ def test_a_box_in_space_has_six_sides():
         ("[particles]", '[[joint]]\npoints = [[0, 0], [1, 1]]\n[particles]', "joint[0].friction_angle", "missing"),
         ("[particles]", '[[bolt]]\nfrom = [0, 0]\n[particles]', "bolt[0].to", "missing"),
         ("[particles]", "[[bolt]]\ncount = 1000000000\n[particles]", "bolt[0].count", "10,000 at most"),
+        ("[particles]", '[[bolt]]\ndiameter = "25 m"\n[particles]', "bolt[0].diameter", "1 mm to 0.5 m"),
+        ("[particles]", '[[lining]]\nthickness = "0.01 mm"\n[particles]', "lining[0].thickness", "1 mm to 5 m"),
         ("[particles]", '[[lining]]\nthickness = "1 m"\n[particles]', "lining[0].young_modulus", "missing"),
         ("[particles]", '[[interface]]\nbetween = ["rock", "x"]\n[particles]', "interface[0].between", "no [material"),
         ("[particles]", '[initial_stress]\nk0 = 1.0\nx = "1 MPa"\n[particles]', "initial_stress", "both"),

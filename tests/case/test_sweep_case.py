@@ -119,6 +119,8 @@ WRONG = [
     ("material.soil.cohesion", "material..cohesion", r"this is no key"),
     ('case = "bank.toml"', 'case = "benk.toml"', r"^case = 'benk\.toml': there is no such case file"),
     ('case = "bank.toml"\n', "", r"^case: missing\. Write case ="),
+    ('case = "bank.toml"\n', 'case = "bank.toml"\nprocesses = 1000000000\n',
+     r"^processes = 1000000000: no machine does so many at a time"),
     ('case = "bank.toml"\n', 'case = "bank.toml"\nallow_runs = 1000000000\n',
      r"^allow_runs = 1000000000: no sweep has more than 100,000 runs"),
     (COHESION, "", r"^vary: missing\. Add \[vary\]"),

@@ -116,6 +116,13 @@ def test_what_is_wrong_is_named_with_its_remedy(old, new, place, words):
     assert any(error.startswith(place) and words in error for error in found), found
 
 
+def test_what_looks_mistaken_is_refused_without_errors_that_follow_from_it():
+    (error,) = errors_of(changed('thickness = "20 cm"', 'thickness = "20 m"'))
+    assert error.startswith("lining[0].thickness: no lining is as thick or thin as this. Usual are 1 mm to 5 m")
+    (error,) = errors_of(changed("increments = 4", "increments = 1000000000"))
+    assert error.startswith("increments: so many take days")
+
+
 def test_all_errors_come_at_once():
     text = changed("relax = 0.5", "relax = 1.5", changed('thickness = "20 cm"', 'thickness = "-1 m"'))
     assert len(errors_of(text)) >= 2
