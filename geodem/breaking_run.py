@@ -20,7 +20,7 @@ from .case.breaking import BreakingCase
 from .errors import InputError
 from .io.checkpoint import Tree, checksum
 from .io.files import read_json
-from .io.history import HistoryWriter
+from .io.history import write_history
 from .io.particle_frames import write_frame
 from .io.run_folder import RunFolder
 from .plotting.breaking_pictures import breaking_pictures
@@ -242,10 +242,7 @@ def _write(run: RunFolder, case: BreakingCase, works: Works, ends: list[StageEnd
     """Everything that a finished run leaves; result.json last."""
     result = assemble(case, works, ends)
     site = ends[-1].site
-    (run.path / "history.csv").unlink(missing_ok=True)
-    with HistoryWriter(run.path / "history.csv", site.columns(), append=False) as history:
-        for row in site.history:
-            history.write(*row)
+    write_history(run.path / "history.csv", site.columns(), site.history)
     pictures = breaking_pictures(ends)
     whole = run.whole(result)
     write_breaking_report(run.path / "report.html", whole, pictures, run.case_text)

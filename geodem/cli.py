@@ -5,6 +5,7 @@ Exit status 0: done; 2: bad input, nothing written over; 3: stopped, resumable; 
 
 from __future__ import annotations
 
+import atexit
 import os
 import shlex
 import signal
@@ -278,10 +279,27 @@ def info() -> None:
     show_info(console)
 
 
+class _Interrupted(BaseException):
+    """Ctrl-C where no run is under way; click would call a KeyboardInterrupt a failure of the command."""
+
+
+def _interrupted(number: int, frame: FrameType | None) -> None:
+    raise _Interrupted
+
+
 def main() -> None:
     """Run a command; errors become one clear message and an exit status."""
+    # one that is ignored, as of a job in the background, stays so
+    heeded = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if heeded:
+        signal.signal(signal.SIGINT, _interrupted)
+        # a second Ctrl-C while Python ends would take the place of the exit status
+        atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
     try:
         app()
+    except _Interrupted:
+        complaints.print("[yellow]Stopped at once. The same command begins again.[/]")
+        sys.exit(3)
     except InputError as error:
         complaints.print(f"[bold red]Cannot go on.[/] {escaped(str(error))}")
         sys.exit(2)
@@ -300,6 +318,9 @@ def main() -> None:
             "[bold red]This is a defect of geodem, not of your case.[/] Please report the lines above."
         )
         sys.exit(1)
+    finally:
+        if heeded:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def _command() -> str:

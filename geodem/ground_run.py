@@ -155,7 +155,7 @@ def _write(ground: Ground, run: RunFolder, facts: dict[str, Any]) -> dict[str, A
     """Everything that a run leaves; result.json last, so that one that says "done" has all beside it."""
     out = run.path
     # an older result is no longer that of what is written now
-    (out / "result.json").unlink(missing_ok=True)
+    run.void()
     run.write_case()
     try:
         save_filling(ground.filling, out / FILLING)

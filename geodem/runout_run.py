@@ -17,8 +17,8 @@ from .building import make_model, source_bytes
 from .case.runout import BEYOND, RunoutCase
 from .errors import InputError, StoppedError
 from .io.checkpoint import checksum
-from .io.files import read_json
-from .io.history import HistoryWriter
+from .io.files import read_json, remove
+from .io.history import write_history
 from .io.run_folder import PARTS, RunFolder
 from .model import Model
 from .particle_simulation import ParticleSimulation
@@ -121,7 +121,7 @@ def run_runout(
         told.tell("report", "pictures and report")
         result = assemble(case, model, record, hand, flow)
         result["compile_time_s"] = round(compile_seconds() - compiled, 3)
-        _write_history(out / "history.csv", flow.looks)
+        write_history(out / "history.csv", COLUMNS, flow.looks)
         write_frames(out, flow, places)
         pictures = runout_pictures(hand, flow, places, result["deposit"])
         write_runout_report(out / "report.html", run.whole(result), pictures, run.case_text)
@@ -239,7 +239,7 @@ def _flow(hand: HandOver, run: RunFolder, told: Stopping) -> tuple[Flow, Floats]
         places = list(kept["places"])
     else:
         for path in run.path.glob("*.vtkhdf*"):
-            path.unlink()
+            remove(path)
     saved = time.perf_counter()
     while not (flow.at_rest or flow.too_long):
         if told.asked():
@@ -262,15 +262,8 @@ def _keep(flow: Flow, places: list[Floats], run: RunFolder) -> None:
     """The flow as it is, to be gone on with: first its simulation, then what names it."""
     number = len(flow.looks) - 1
     folder = run.path / PARTS
-    folder.mkdir(exist_ok=True)
     flow.simulation.save(folder / f"flow-{number:05d}.h5")
     run.keep("flow", {"look": number, "looks": np.array(flow.looks), "places": np.array(places)})
     for path in folder.glob("flow-*.h5"):
         if path.name != f"flow-{number:05d}.h5":
-            path.unlink()
-
-
-def _write_history(path: Path, looks: list[Look]) -> None:
-    with HistoryWriter(path, COLUMNS) as history:
-        for look in looks:
-            history.write(*look)
+            remove(path)

@@ -15,7 +15,7 @@ from .building import case_identity, portable_text, quick
 from .case import Case
 from .errors import InputError, StoppedError
 from .io.checkpoint import read_checkpoint
-from .io.files import cannot_write, read_json, remove_unfinished
+from .io.files import cannot_write, read_json, remove, remove_unfinished
 from .io.run_folder import RESULTS
 from .outputs import draw_outputs, write_case, write_outputs
 from .provenance import sources_digest
@@ -218,18 +218,21 @@ def _spare_users_files(folder: Path, case: Case) -> None:
 
 
 def _clear(folder: Path) -> None:
-    """Take away what an earlier run wrote, and nothing else."""
+    """Take away what an earlier run wrote, and nothing else.
+
+    Its checkpoint stays until another is written over it: without it, what a killed run leaves would look like files of
+    the user's.
+    """
     remove_unfinished(folder)
     for pattern in (
         "result.json",
         "report.html",
         "history.csv",
-        "checkpoint.h5",
         "*.vtkhdf",
         "figures/*.png",
     ):
         for path in folder.glob(pattern):
-            path.unlink()
+            remove(path)
 
 
 def _make_folder(folder: Path) -> None:

@@ -84,8 +84,14 @@ def do_runs(
             if number:
                 ended(Ended(number, said.removeprefix("gone, ") if said.startswith("gone") else ""))
     finally:
-        for hand in hands:
-            hand.end()
+        try:
+            for hand in hands:
+                hand.end()
+        except BaseException:
+            # told to stop at once: nobody is left who would wait for the others
+            for hand in hands:
+                hand.kill()
+            raise
 
 
 def _idle(
@@ -146,9 +152,13 @@ class _Hand:
         except subprocess.TimeoutExpired:
             pass
         finally:
-            self.process.kill()
-            self.process.wait()
+            self.kill()
             self._listener.join()
+
+    def kill(self) -> None:
+        """End it at once; may be called again."""
+        self.process.kill()
+        self.process.wait()
 
     def _say(self, line: str) -> None:
         # the listener tells where it has gone

@@ -116,11 +116,21 @@ def carry_out(
                 "Choose another folder, or add --overwrite", value=str(out),
             )  # fmt: skip
         begun = time.perf_counter()
-        try:
-            result = case.of.run(
-                case.read(run), folder, threads=threads, quickly=quickly, overwrite=record.status == "changed",
+
+        def do(*, anew: bool) -> dict[str, Any]:
+            return case.of.run(
+                case.read(run), folder, threads=threads, quickly=quickly, overwrite=anew,
                 watch=watch, stop_asked=stop_asked, command=f"run {run.number} of a sweep: {run.told}",
             )  # fmt: skip
+
+        try:
+            try:
+                result = do(anew=record.status == "changed")
+            except InputError as error:
+                # what it left cannot be gone on with: of a case that was changed since, or damaged
+                if not overwrite or error.place != "--out":
+                    raise
+                result = do(anew=True)
             record = RunRecord("done", float(result.get("wall_time_s") or time.perf_counter() - begun))
         except StoppedError:
             raise

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .io.history import HistoryWriter
+from .io.history import write_history as write_lines
 from .io.vtkhdf import write_vtkhdf
 from .tunnelling.digging import Digging
 from .tunnelling.measure import yielded
@@ -27,9 +27,8 @@ COLUMNS = {
 
 def write_history(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     """Every increment, one line an opening."""
-    with HistoryWriter(path, ("stage [-]", "excavation [-]", *COLUMNS)) as history:
-        for row in rows:
-            history.write(row["stage"], row["opening"], *(row[key] for key in COLUMNS.values()))
+    lines = [(row["stage"], row["opening"], *(row[key] for key in COLUMNS.values())) for row in rows]
+    write_lines(path, ("stage [-]", "excavation [-]", *COLUMNS), lines)
 
 
 def write_frame(folder: Path, number: int, digging: Digging) -> None:

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from .case import load_any, load_kind
+from .errors import InputError
 from .io.checkpoint import read_checkpoint
 from .io.files import read_json
-from .io.run_folder import RESULTS
+from .io.run_folder import RESULTS, is_cleared
 from .kinds import KINDS, AnyCase, Kind, kind_of_result
 
 
@@ -101,6 +102,11 @@ def redraw(folder: Path | str) -> Path:
 
 def _held(folder: Path) -> tuple[Kind, AnyCase]:
     """Kind and case of the run that a folder holds."""
+    if is_cleared(folder):
+        raise InputError(
+            str(folder), "its results were being replaced when that was interrupted, and nothing is left of them",
+            f"Run the case again: geodem run CASE --out {folder}",
+        )  # fmt: skip
     kind = kind_of_result(read_json(folder / "result.json"))
     if not any((folder / name).exists() for name in RESULTS):
         read_checkpoint(folder / "checkpoint.h5")  # before the case: its absence explains more

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 BATTERY = "stability"
+INTERRUPTIONS = "interruptions"
 ORDER = "order"
 PICTURE = "pictures/order_of_accuracy.png"
 HEAD = ["what was tried", "how often", "what is bounded", "bound", "seen", "within", "why", "remarks"]
@@ -32,6 +33,7 @@ def stability_sections(read: Callable[[str], Any], header: Callable[[Any], str],
         parts += [header(battery), _battery(battery.rows)]
     else:
         parts.append(not_run.format(name=BATTERY, command=f"python -m reference run {BATTERY}") + "\n")
+    parts += _interruptions(read, header, not_run)
     parts += ["### Order of accuracy\n"]
     order = read(ORDER)
     if order.rows:
@@ -45,6 +47,53 @@ def stability_sections(read: Callable[[str], Any], header: Callable[[Any], str],
     else:
         parts.append(not_run.format(name=ORDER, command=f"python -m reference run {ORDER}") + "\n")
     return parts
+
+
+ENDS = {
+    "kills at a random moment": "killed at a random moment",
+    "kills in writing what it goes on from": "in writing what it goes on from",
+    "kills in writing its outputs": "in writing its outputs",
+    "runs ended by Ctrl-C": "Ctrl-C",
+    "runs ended by a killed process of theirs": "one of its processes killed",
+    "runs ended by a full file": "a file too large",
+    "runs ended by a full file system": "disk full",
+    "runs ended by a locked folder": "read-only folder",
+    "runs gone on with from spoilt files": "spoilt checkpoints",
+}
+"""Columns of the table of interruptions, by the quantity whose value stands in them."""
+
+
+def _interruptions(read: Callable[[str], Any], header: Callable[[Any], str], not_run: str) -> list[str]:
+    """How runs of every kind were ended, one line a kind, and what was wrong with what they left."""
+    title = "### Runs that are ended by force\n"
+    found = read(INTERRUPTIONS)
+    if not found.rows:
+        return [
+            title,
+            not_run.format(name=INTERRUPTIONS, command=f"python -m reference run {INTERRUPTIONS}") + "\n",
+        ]
+    lines = []
+    for name in dict.fromkeys(str(row["name"]) for row in found.rows):
+        own = {str(row["quantity"]): row for row in found.rows if row["name"] == name}
+        counts = [str(round(own[key]["value"])) if key in own else "-" for key in ENDS]
+        wrong = sum(
+            round(row["value"]) for key, row in own.items() if not row["expected"] and key not in ENDS
+        )
+        lines.append([name, *counts, str(wrong)])
+    kills = sum(int(cell) for line in lines for cell in line[1:4] if cell != "-")
+    wrong = sum(int(line[-1]) for line in lines)
+    how = "nothing was wrong" if not wrong else f"**{wrong} wrong**"
+    return [
+        title,
+        header(found),
+        f"Small runs of every kind, killed {kills} times with `kill -9` and stopped in other ways. After each of "
+        "these every file in the folder must be whole, nothing that stood there may be lost, and the run must go on "
+        "to the bits of one that nobody disturbed. A full disk and a read-only folder must be told in words; a "
+        "checkpoint that is cut off, changed or of an old format must be refused in words or made anew. Columns count "
+        f"runs; {how}. What a user does then: "
+        "[When something goes wrong](how-to/when-something-goes-wrong.md).\n",
+        table(["run", *ENDS.values(), "wrong"], lines),
+    ]
 
 
 def _battery(rows: Sequence[Row]) -> str:

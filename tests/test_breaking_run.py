@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import pytest
 from geodem.breaking_run import redraw_breaking, resume_breaking, run_breaking
 from geodem.case.breaking_reading import parse_breaking
 from geodem.errors import StoppedError
+from geodem.io.history import HistoryWriter
 from tests.small_cases import geodem
 
 # a beam that hangs out 8 m breaks at its root: 6 M/h2 = 1.6 MPa at 1 g, were it a slender one
@@ -164,6 +166,16 @@ def test_done_is_done_and_can_be_drawn_again(case, done):
     (out / "report.html").unlink()
     assert redraw_breaking(out, case).is_file()
     assert "undercut" in (out / "report.html").read_text()
+
+
+def test_the_history_is_written_whole(case, done, tmp_path, monkeypatch):
+    """Never line by line under its own name, where a run that is killed would leave half of it."""
+    out = tmp_path / "out"
+    shutil.copytree(done[0], out)
+    (out / "report.html").unlink()
+    monkeypatch.setattr(HistoryWriter, "write", lambda self, *values: pytest.fail("line by line"))
+    run_breaking(case, out, threads=1)
+    assert (out / "history.csv").read_bytes() == (done[0] / "history.csv").read_bytes()
 
 
 def test_the_command_checks_and_refuses(tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import signal
 import subprocess
 import sys
 import time
@@ -423,6 +424,19 @@ def test_a_motion_that_comes_to_nothing_is_no_defect_of_ours(tmp_path, call, mon
     refused(
         call("check", case), "its first steps come to nothing: after step 3, particle 5", "Check the units"
     )
+
+
+def test_stopped_where_no_run_is_under_way(tmp_path, call, monkeypatch):
+    """Exit status 3 as of every stop; 1 would be a defect of ours."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    monkeypatch.setattr("geodem.checking.check_case", lambda *arguments: signal.raise_signal(signal.SIGINT))
+    try:
+        answer = call("check", write_case(tmp_path / "case"))
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert answer.status == 3
+    assert "The same command begins again" in answer.err
 
 
 def test_a_defect_says_so(tmp_path, call, monkeypatch):

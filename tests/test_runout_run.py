@@ -5,12 +5,14 @@ from __future__ import annotations
 import csv
 import json
 import math
+import shutil
 
 import numpy as np
 import pytest
 
 from geodem.case.runout import parse_runout
 from geodem.errors import InputError, StoppedError
+from geodem.io.history import HistoryWriter
 from geodem.runout_run import redraw_runout, resume_runout, run_runout
 from tests.small_cases import geodem
 
@@ -119,6 +121,16 @@ def test_what_is_done_is_not_run_again_and_can_be_drawn_again(whole):
     (folder / "report.html").unlink()
     assert redraw_runout(folder, case) == folder / "report.html"
     assert (folder / "figures" / "after.png").read_bytes() == before
+
+
+def test_the_history_is_written_whole(whole, tmp_path, monkeypatch):
+    """Never line by line under its own name, where a run that is killed would leave half of it."""
+    folder = tmp_path / "out"
+    shutil.copytree(whole[0], folder)
+    (folder / "report.html").unlink()
+    monkeypatch.setattr(HistoryWriter, "write", lambda self, *values: pytest.fail("line by line"))
+    run_runout(parse_runout((folder / "case.toml").read_text(), folder), folder)
+    assert (folder / "history.csv").read_bytes() == (whole[0] / "history.csv").read_bytes()
 
 
 def test_a_folder_of_another_case_is_left_alone(whole, tmp_path):

@@ -21,7 +21,7 @@ from geodem.case.sweep_reading import load_sweep
 from geodem.errors import InputError
 from geodem.plotting.sweep_report import make_charts
 from geodem.sweep_hands import Ended, do_runs
-from geodem.sweep_record import find_record
+from geodem.sweep_record import carry_out, find_record
 from geodem.sweep_run import share_of, shares
 from tests.ground_files import GROUND, ground_case
 from tests.small_cases import SLOPE, environment, geodem, result_of
@@ -150,6 +150,15 @@ def test_killed_and_gone_on_with(sweep, whole, tmp_path):
     ]
 
 
+def test_the_sweep_in_its_folder_has_the_same_table(whole, sweep, tmp_path):
+    """What is tabulated where nothing is said: columns that no run fills are left out, of a resumed sweep as well."""
+    assert load_sweep(sweep).default_table
+    assert load_sweep(whole).default_table
+    own = write_sweep(tmp_path / "own")
+    (own / "case.toml").write_text(SWEEP + '[table]\n"gravity factor [-]" = "factors[0].value"\n')
+    assert not load_sweep(own).default_table
+
+
 def test_a_finished_sweep_is_not_done_again(sweep, whole):
     before = content(whole)
     result = run_case(sweep, whole)
@@ -236,6 +245,46 @@ def test_a_process_that_breaks_down_is_one_run(sweep, tmp_path):
     assert [end.number for end in ends] == [1, 2]
     assert all("status" in end.gone for end in ends)
     assert find_record(load_sweep(sweep), load_sweep(sweep).runs[0], tmp_path, False).status == "waiting"
+
+
+def test_a_second_stop_leaves_no_process_behind(monkeypatch):
+    """Ctrl-C while a process is waited for: the others are ended as well."""
+    begun: list[subprocess.Popen] = []
+
+    class Sleeper(subprocess.Popen):
+        def __init__(self, command, **options):
+            super().__init__([sys.executable, "-c", "import time; time.sleep(60)"], **options)
+            begun.append(self)
+
+        def wait(self, timeout=None):
+            if timeout is not None:
+                raise KeyboardInterrupt
+            return super().wait()
+
+    monkeypatch.setattr("geodem.sweep_hands.subprocess.Popen", Sleeper)
+    order = {"out": "nowhere", "threads": 1, "quick": False, "overwrite": False}
+    with pytest.raises(KeyboardInterrupt):
+        do_runs(
+            [1, 2], order, processes=2, ended=lambda end: None, waiting=lambda running: None,
+            stop_asked=lambda: len(begun) == 2,
+        )  # fmt: skip
+    ended = [process.poll() is not None for process in begun]
+    for process in begun:
+        process.kill()
+    assert ended == [True, True]
+
+
+def test_a_run_whose_checkpoint_is_spoilt_is_made_anew_where_that_is_asked_for(sweep, whole, tmp_path):
+    out = tmp_path / "out"
+    shutil.copytree(whole, out)
+    (out / "runs" / "0002.json").unlink()
+    (out / "runs" / "0002" / "checkpoint.h5").write_bytes(b"cut off")
+    case = load_sweep(sweep)
+    refused = carry_out(case, case.runs[1], out)
+    assert refused.status == "failed"
+    assert "--overwrite" in refused.message
+    assert carry_out(case, case.runs[1], out, overwrite=True).status == "done"
+    assert result_of(out / "runs" / "0002")["digest"] == result_of(whole / "runs" / "0002")["digest"]
 
 
 def test_check_tells_how_many_and_how_long(sweep, tmp_path, call):

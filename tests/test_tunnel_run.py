@@ -10,6 +10,7 @@ import pytest
 
 from geodem.case.tunnel_reading import parse_tunnel
 from geodem.errors import InputError, StoppedError
+from geodem.tunnel_files import COLUMNS, write_history
 from geodem.tunnel_run import redraw_tunnel, resume_tunnel, run_tunnel
 from tests.case.test_tunnel_case import HERE, changed
 
@@ -80,6 +81,16 @@ def test_another_case_is_not_written_over(case, finished):
     other = parse_tunnel(changed("increments = 4", "increments = 5"), HERE)
     with pytest.raises(InputError, match="another case"):
         run_tunnel(other, folder)
+
+
+def test_the_history_is_written_whole(tmp_path):
+    """A row that cannot be written leaves what stood there: no half of the new one."""
+    (tmp_path / "history.csv").write_text("old")
+    with pytest.raises(KeyError):
+        write_history(
+            tmp_path / "history.csv", [dict.fromkeys(("stage", "opening", *COLUMNS.values()), 0.0), {}]
+        )
+    assert (tmp_path / "history.csv").read_text() == "old"
 
 
 def test_it_is_drawn_again_from_what_was_kept(case, finished):

@@ -85,9 +85,12 @@ def read_sweep(text: str, folder: Path) -> SweepCase:
     common = head.close()
     assert base_file is not None
     assert base is not None
+    kind = kind_of(base)
+    # that of the kind stands in the file of a sweep as it is run
+    default = "table" not in top or table == kind.table
     return SweepCase(
-        **common, kind=kind_of(base).name, base=base, base_file=base_file, varied=varied, together=together,
-        table=table, default_table="table" not in top, runs=runs, listed=tuple(rows), list_file=list_file,
+        **common, kind=kind.name, base=base, base_file=base_file, varied=varied, together=together,
+        table=table, default_table=default, runs=runs, listed=tuple(rows), list_file=list_file,
         processes=processes, threads=threads, allow_runs=allowed,
     )  # fmt: skip
 

@@ -70,6 +70,20 @@ def write_json(path: Path | str, content: Mapping[str, Any]) -> dict[str, Any]:
     return held
 
 
+def remove(path: Path | str) -> None:
+    """Take a file away where there is one.
+
+    Raises
+    ------
+    InputError
+        It cannot be taken away.
+    """
+    try:
+        Path(path).unlink(missing_ok=True)
+    except OSError as error:
+        raise cannot_write(path, error) from error
+
+
 def read_json(path: Path | str) -> dict[str, Any] | None:
     """What a JSON file holds; None where there is none that can be read."""
     try:

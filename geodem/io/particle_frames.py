@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .files import remove
 from .vtkhdf import write_series, write_vtkhdf
 
 if TYPE_CHECKING:
@@ -82,7 +83,7 @@ def remove_later_frames(folder: Path | str, step: int) -> None:
             write_series(series, kept)
         for path in folder.glob(f"{kind}-*.vtkhdf"):
             if _step(path.name) > step:
-                path.unlink()
+                remove(path)
 
 
 def damage(simulation: ParticleReading) -> tuple[NDArray[np.int64], NDArray[np.float64]]:

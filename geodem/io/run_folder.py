@@ -11,10 +11,13 @@ from typing import Any
 from ..errors import InputError, StoppedError
 from ..provenance import sources_digest, versions
 from .checkpoint import CheckpointFormat, Tree, read_checkpoint, write_checkpoint
-from .files import cannot_write, read_json, remove_unfinished, write_json, write_whole
+from .files import cannot_write, read_json, remove, remove_unfinished, write_json, write_whole
 
 RESULTS = ("result.json", "checkpoint.h5")
 """Files that tell that a run has written to a folder."""
+
+CLEARED = "cleared"
+"""Status of a folder whose results are being replaced: what is left of them counts for nothing."""
 
 PARTS = "parts"
 PART = CheckpointFormat(
@@ -105,6 +108,7 @@ class RunFolder:
                     "Choose another folder, such as a new one within it", value=str(folder),
                 )  # fmt: skip
         same = ours and bool(self.stored())
+        overwrite = overwrite or is_cleared(folder)
         if ours and not same and not overwrite:
             raise InputError(
                 "--out", "the folder holds results of another case",
@@ -117,11 +121,22 @@ class RunFolder:
         if not shared:
             remove_unfinished(folder)
         if ours and overwrite:
+            self.void()
             for pattern in self.written:
                 for path in folder.glob(pattern):
-                    path.unlink()
+                    if path != folder / "result.json":
+                        remove(path)
             return False
         return same
+
+    def void(self) -> None:
+        """Have a result that is there say that it counts for nothing.
+
+        It stays until it is written anew: without it, what a killed run leaves would look like files of the user's.
+        """
+        held = read_json(self.path / "result.json")
+        if held is not None:
+            write_json(self.path / "result.json", {"workflow": held.get("workflow"), "status": CLEARED})
 
     def write_case(self) -> None:
         """case.toml as it is run, and the files that it names."""
@@ -195,13 +210,19 @@ def resumable(folder: Path) -> bool:
     return (folder / "checkpoint.h5").is_file() or stored.get("status") == "stopped"
 
 
+def is_cleared(folder: Path) -> bool:
+    """Whether a folder is one whose results were being replaced when that was ended by force."""
+    cleared = (read_json(folder / "result.json") or {}).get("status") == CLEARED
+    return cleared and not (folder / "checkpoint.h5").is_file()
+
+
 def _copy(source: Path, target: Path) -> None:
     """A file, or the files of a folder, as they are."""
     if source.is_dir():
         if source.resolve() == target.resolve():
             return
         for stale in target.iterdir() if target.is_dir() else ():
-            stale.unlink()
+            remove(stale)
         for entry in sorted(source.iterdir()):
             if entry.is_file():
                 _copy(entry, target / entry.name)

@@ -2,6 +2,7 @@
 
 Every scene is run once undisturbed. Then it is begun, killed, begun again from what it left, killed again, ... until
 it is done: it must hold the bits of the undisturbed run, and at every moment every file in its folder must be whole.
+Then it is stopped as Ctrl-C does, run into full disks and locked folders, and resumed from spoilt files.
 """
 
 from __future__ import annotations
@@ -14,18 +15,37 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from .fuzzing_judge import ROOT
 from .interruptions_disks import full_disks, full_file_system, read_only
+from .interruptions_files import broken_files, differences, done_runs, held, names
 from .interruptions_killer import MOMENTS
-from .interruptions_scenes import SCENES, Scene, broken_files, held
+from .interruptions_processes import end_all, left_behind, start
+from .interruptions_scenes import SCENES, Scene, make_older, next_command
+from .interruptions_spoilt import spoilt
+from .interruptions_stops import ctrl_c, killed_worker
 from .rows import Row
 
-KILLS = {"slope": 24, "ground": 57, "laboratory": 51, "particles": 72}
+KILLS = {
+    "slope": 18,
+    "ground": 27,
+    "laboratory": 18,
+    "particles": 33,
+    "tunnel": 21,
+    "breaking": 24,
+    "cutting": 27,
+    "runout": 21,
+    "sweep": 15,
+}
 """Of each scene; a third at random moments, a third while it writes what it goes on from, a third in its outputs."""
+STOPS = 2
+"""Ctrl-C of each scene; every second one is pressed twice."""
+WORKERS = {"laboratory": 2, "sweep": 2}
+"""Processes killed of scenes that have such."""
+OVERWRITTEN = 0.4
+"""Share of runs that are begun over the results of another case."""
 SEED = 20261130
 WORDS = {
     "time": "at a random moment",
@@ -34,6 +54,9 @@ WORDS = {
 }
 LIMIT = 300.0
 """Longest time of one run [s]."""
+ORPHANS = 60.0
+"""Longest time that processes of a killed run go on for [s]."""
+NEVER = ("never", 0, "x")
 
 
 class Outcome(NamedTuple):
@@ -49,60 +72,60 @@ def run() -> Sequence[Row]:
     """Every scene: kills of each sort, runs that were brought to their end, and what was wrong."""
     rows = []
     for name, kills in KILLS.items():
-        outcome = disturb(SCENES[name], kills, SEED)
-        for problem in outcome.problems:
-            print(f"{name}: {problem}")
-        source = f"seed {SEED}; {outcome.finished} runs brought to their end"
-        done = sum(outcome.kills.values())
-        for sort, count in outcome.kills.items():
-            rows.append(
-                Row(name, f"kills {WORDS[sort]}", count, kills / 3, 0.0, 0.0, outcome.seconds, source)
-            )
-        short = min(done / kills - 1.0, 0.0)
-        rows.append(Row(name, "kills in all", done, kills, short, 0.0, outcome.seconds, "asked for"))
-        wrong = len(outcome.problems)
-        rows.append(
-            Row(name, "broken files, other bits, errors", wrong, 0.0, wrong, 0.0, outcome.seconds, "wanted")
-        )
-    for name, scene in SCENES.items():
-        rows += _of_disks(name, scene)
+        rows += _of_kills(name, kills, disturb(SCENES[name], kills, SEED))
+        rows += _of_others(name, SCENES[name])
     return rows
 
 
-def _of_disks(name: str, scene: Scene) -> list[Row]:
-    """Full and locked disks: how many runs they ended, and what was wrong with how."""
+def _of_kills(name: str, kills: int, outcome: Outcome) -> list[Row]:
+    for problem in outcome.problems:
+        print(f"{name}: {problem}")
+    source = f"seed {SEED}; {outcome.finished} runs brought to their end"
+    done, wrong = sum(outcome.kills.values()), len(outcome.problems)
+    rows = [
+        Row(name, f"kills {WORDS[sort]}", count, kills / 3, 0.0, 0.0, outcome.seconds, source)
+        for sort, count in outcome.kills.items()
+    ]
+    short = min(done / kills - 1.0, 0.0)
+    rows.append(Row(name, "kills in all", done, kills, short, 0.0, outcome.seconds, "asked for"))
+    rows.append(
+        Row(name, "broken files, other bits, errors", wrong, 0.0, wrong, 0.0, outcome.seconds, "wanted")
+    )
+    return rows
+
+
+Examine = Callable[[Scene, Path], tuple[int, list[str]]]
+
+
+def _of_others(name: str, scene: Scene) -> list[Row]:
+    """Stops, full and locked disks, spoilt files: how many runs they met, and what was wrong with how."""
+
+    def stopped(scene: Scene, folder: Path) -> tuple[int, list[str]]:
+        return ctrl_c(scene, folder, STOPS, random.Random(SEED))
+
+    def without_worker(scene: Scene, folder: Path) -> tuple[int, list[str]]:
+        return killed_worker(scene, folder, WORKERS[name], random.Random(SEED))
+
+    trials: dict[str, Examine] = {"ended by Ctrl-C": stopped}
+    if name in WORKERS:
+        trials["ended by a killed process of theirs"] = without_worker
+    trials |= {
+        "ended by a full file": full_disks,
+        "ended by a full file system": full_file_system,
+        "ended by a locked folder": read_only,
+        "gone on with from spoilt files": spoilt,
+    }
     rows = []
-    for what, examine in (
-        ("a full file", full_disks),
-        ("a full file system", full_file_system),
-        ("a locked folder", _locked),
-    ):
-        begun = time.perf_counter()
-        with tempfile.TemporaryDirectory() as folder:
-            ended, problems = examine(scene, Path(folder))
-        for problem in problems:
-            print(f"{name}, {what}: {problem}")
-        seconds = time.perf_counter() - begun
-        rows.append(
-            Row(name, f"runs ended by {what}", ended, 2.0, 0.0, 0.0, seconds, "as many as came of it")
-        )
-        rows.append(
-            Row(
-                name,
-                f"not in words, or lost, with {what}",
-                len(problems),
-                0.0,
-                len(problems),
-                0.0,
-                seconds,
-                "wanted",
-            )
-        )
+    with tempfile.TemporaryDirectory() as folder:
+        for what, examine in trials.items():
+            begun = time.perf_counter()
+            met, problems = examine(scene, Path(folder))
+            for problem in problems:
+                print(f"{name}, {what}: {problem}")
+            seconds, wrong = time.perf_counter() - begun, len(problems)
+            rows.append(Row(name, f"runs {what}", met, met, 0.0, 0.0, seconds, "counted"))
+            rows.append(Row(name, f"wrong with runs {what}", wrong, 0.0, wrong, 0.0, seconds, "wanted"))
     return rows
-
-
-def _locked(scene: Scene, folder: Path) -> tuple[int, list[str]]:
-    return 2, read_only(scene, folder)
 
 
 def disturb(scene: Scene, kills: int, seed: int) -> Outcome:
@@ -118,17 +141,19 @@ def disturb(scene: Scene, kills: int, seed: int) -> Outcome:
         whole = _whole(scene, folder, problems)
         out = folder / "out"
         while sum(counts.values()) < kills and not problems:
+            if not out.exists() and scene.overwrites and rng.random() < OVERWRITTEN:
+                make_older(folder / "whole", out)
             sort = min(counts, key=lambda key: counts[key])
             if _killed(scene, folder, out, sort, whole, rng, problems):
                 counts[sort] += 1
             elif not problems:  # it came to its end before
                 finished += 1
-                problems += _differences(out, whole)
+                problems += differences(out, whole.digests, whole.files)
                 shutil.rmtree(out)
         if out.exists() and not problems:
-            _run(scene, folder, out, ("never", 0, "x"), problems)
+            _run(scene, folder, out, NEVER, problems)
             finished += 1
-            problems += _differences(out, whole)
+            problems += differences(out, whole.digests, whole.files)
     return Outcome(counts, finished, problems, time.perf_counter() - begun)
 
 
@@ -144,60 +169,68 @@ class _Whole(NamedTuple):
 def _whole(scene: Scene, folder: Path, problems: list[str]) -> _Whole:
     out, log = folder / "whole", folder / "written"
     begun = time.perf_counter()
-    _run(scene, folder, out, ("never", 0, "x"), problems, log=str(log))
+    _run(scene, folder, out, NEVER, problems, log=str(log))
     seconds = time.perf_counter() - begun
     problems += broken_files(out)
-    return _Whole(held(out), _names(out), log.read_text().split(), seconds)
+    return _Whole(held(out), names(out), log.read_text().split(), seconds)
 
 
 def _killed(
     scene: Scene, folder: Path, out: Path, sort: str, whole: _Whole, rng: random.Random, problems: list[str]
 ) -> bool:
     """Begin or go on, and kill; False where it was done before that."""
+    before = done_runs(out)
     if sort == "time":
-        order, limit = ("never", 0, "x"), rng.uniform(0.3, 1.1 * whole.seconds)
+        order, limit = NEVER, rng.uniform(0.3, 0.8 * whole.seconds)
     else:
         pattern = scene.kept if sort == "checkpoint" else scene.outputs
         moment = rng.choice(MOMENTS)
         writes = sum(bool(re.search(pattern, name)) for name in whole.written)
-        order, limit = (moment, rng.randint(1, max(1, writes)), pattern), LIMIT
-    status = _run(scene, folder, out, order, problems, limit=limit)
+        order, limit = (moment, rng.randint(1, max(1, round(0.7 * writes))), pattern), LIMIT
+    orphans = rng.choice(("killed", "waited", "left"))
+    status = _run(scene, folder, out, order, problems, limit=limit, after=orphans)
     problems += broken_files(out)
+    if not scene.grows and held(out).get("history.csv", "") not in ("", whole.digests.get("history.csv")):
+        problems.append(f"half a history after {order}")
+    after = done_runs(out)
+    problems += [f"{name} was done, and written again" for name in before if before[name] != after.get(name)]
     return status == -signal.SIGKILL
 
 
 def _run(
     scene: Scene, folder: Path, out: Path, order: tuple[str, int, str], problems: list[str], *, limit: float = LIMIT,
-    log: str = "-",
+    log: str = "-", after: str = "waited",
 ) -> int:  # fmt: skip
-    """Run the scene's program, armed; its status, which is told where it is neither 0 nor SIGKILL's."""
+    """Run the scene's program, armed; its status, which is told where it is neither 0 nor SIGKILL's.
+
+    `after`: what comes of its processes once the first one is killed after `limit`: "killed" as well, "waited" for, or
+    "left" to end while the run is gone on with.
+    """
     moment, number, pattern = order
-    program = [sys.executable, "-m", f"{__package__}.interruptions_killer", moment, str(number), pattern, log]
-    with subprocess.Popen(
-        [*program, *scene.command(folder, out)],
-        cwd=ROOT,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as running:
-        try:
-            _, errors = running.communicate(timeout=limit)
-        except subprocess.TimeoutExpired:
-            running.kill()
-            _, errors = running.communicate()
-            if limit == LIMIT:
-                problems.append(f"not done within {LIMIT:g} s")
-    if running.returncode not in (0, -signal.SIGKILL):
-        problems.append(f"status {running.returncode} after {order}: {errors.strip()[-500:]}")
-    return running.returncode
-
-
-def _differences(out: Path, whole: _Whole) -> list[str]:
-    found = held(out)
-    wrong = [f"other bits in {name}" for name, digest in whole.digests.items() if found.get(name) != digest]
-    names = _names(out)
-    return wrong + [f"{name} is missing or too many" for name in sorted(names ^ whole.files)]
-
-
-def _names(out: Path) -> set[str]:
-    return {str(path.relative_to(out)) for path in out.rglob("*") if path.is_file()}
+    program = [
+        sys.executable,
+        "-m",
+        f"{__package__}.interruptions_killer",
+        moment,
+        str(number),
+        pattern,
+        log,
+        scene.often,
+    ]
+    running = start([*program, *next_command(scene, folder, out)])
+    try:
+        errors = running.wait(limit)
+    except subprocess.TimeoutExpired:
+        running.process.kill()
+        if after == "killed":
+            end_all(running.mark)
+        errors = running.wait()
+        if limit == LIMIT:
+            problems.append(f"not done within {LIMIT:g} s")
+    status = running.process.returncode
+    if status not in (0, -signal.SIGKILL):
+        problems.append(f"status {status} after {order}: {errors.strip()[-500:]}")
+    if after == "waited" and left_behind(running.mark, ORPHANS):
+        problems.append(f"its processes go on for {ORPHANS:g} s after it was killed, {order}")
+        end_all(running.mark)
+    return int(status)

@@ -9,28 +9,38 @@ import sys
 from pathlib import Path
 
 from .fuzzing_judge import ROOT
-from .interruptions_scenes import Scene, broken_files, held
+from .interruptions_files import broken_files, content, held
+from .interruptions_scenes import Scene, overwriting
 
-ROOMS = (200, 3_000, 20_000, 100_000)
+ROOMS = (200, 5_000, 60_000)
 """Largest file that may be written [B]; each ends a run in another of its files."""
 WORDS = ("larger than is allowed", "not permitted", "disk is full", "read-only")
 
 
+def undisturbed(scene: Scene, folder: Path) -> list[str]:
+    """Have the scene prepared, and run undisturbed into "whole", where that is not so yet; what was wrong."""
+    if (folder / "whole").is_dir():
+        return []
+    scene.prepare(folder)
+    return _answer(scene, folder, folder / "whole", [], {0})
+
+
 def full_disks(scene: Scene, folder: Path) -> tuple[int, list[str]]:
     """How many runs were ended by a file that became too large, and what was wrong."""
-    scene.prepare(folder)
-    whole, out = folder / "whole", folder / "full"
-    problems = _answer(scene, folder, whole, [], {0})
+    problems, whole, out = undisturbed(scene, folder), folder / "whole", folder / "full"
     ended = 0
     for room in ROOMS:
         limit = ["prlimit", f"--fsize={room}", "--"]
-        before = _content(out)
+        before = content(out)
         found = _answer(scene, folder, out, limit, {0, 2, 3})
         problems += [f"room for {room} B: {problem}" for problem in found]
         problems += [f"room for {room} B: {broken}" for broken in broken_files(out)]
-        lost = [name for name in before if name not in _content(out)]
+        lost = [name for name in before if name not in content(out)]
         problems += [f"room for {room} B: {name} is gone" for name in lost if not name.endswith(".part")]
         ended += held(out) != held(whole)
+        history = held(out).get("history.csv", "")
+        if not scene.grows and history not in ("", held(whole).get("history.csv")):
+            problems.append(f"room for {room} B: half a history")
     problems += _answer(scene, folder, out, [], {0})
     if held(out) != held(whole):
         problems.append("other bits once there was room")
@@ -39,8 +49,7 @@ def full_disks(scene: Scene, folder: Path) -> tuple[int, list[str]]:
 
 def full_file_system(scene: Scene, folder: Path) -> tuple[int, list[str]]:
     """As `full_disks`, with a file system of its own that is full; no runs where this machine makes none."""
-    scene.prepare(folder)
-    ended, problems = 0, []
+    ended, problems = 0, undisturbed(scene, folder)
     for size in (16, 100):
         out = folder / f"room-{size}"
         out.mkdir()
@@ -70,22 +79,46 @@ def full_file_system(scene: Scene, folder: Path) -> tuple[int, list[str]]:
     return ended, problems
 
 
-def read_only(scene: Scene, folder: Path) -> list[str]:
-    """What is wrong with how a folder that may not be written to is refused."""
-    scene.prepare(folder)
-    locked = folder / "locked"
-    locked.mkdir()
-    (locked / "mine.txt").write_text("mine")
-    before = _content(locked)
-    locked.chmod(0o555)
-    try:
-        problems = _answer(scene, folder, locked, _as_others(), {2, 3})
-        problems += _answer(scene, folder, locked / "below", _as_others(), {2, 3})
-    finally:
-        locked.chmod(0o755)
-    if _content(locked) != before:
-        problems.append("the folder was changed")
-    return problems
+def read_only(scene: Scene, folder: Path) -> tuple[int, list[str]]:
+    """How many runs were refused by folders that may not be written to, and what was wrong with how.
+
+    The folder of a stranger's file, one below it, that of a run that was ended half-way, that of a finished run.
+    """
+    problems, whole, begun = undisturbed(scene, folder), folder / "whole", folder / "begun"
+    _answer(scene, folder, begun, ["prlimit", f"--fsize={ROOMS[-1]}", "--"], {0, 2, 3})
+    foreign = folder / "foreign"
+    foreign.mkdir()
+    (foreign / "mine.txt").write_text("mine")
+    refused = 0
+    trials: list[tuple[Path, Path, list[str], set[int]]] = [
+        (locked, out, scene.command(folder, out), allowed)
+        for locked, out, allowed in (
+            (foreign, foreign, {2}),
+            (foreign, foreign / "below", {2}),
+            (begun, begun, {2}),
+            (whole, whole, {0, 2}),  # a finished run has nothing left to do
+        )
+    ]
+    if scene.overwrites:
+        trials.append((whole, whole, overwriting(scene, folder, whole), {2}))
+    for locked, out, command, allowed in trials:
+        before = content(locked)
+        places = [locked, *(place for place in locked.rglob("*") if place.is_dir())]
+        for place in places:
+            place.chmod(0o555)
+        try:
+            found = _told([*_as_others(), sys.executable, "-m", *command], allowed)
+        finally:
+            for place in places:
+                place.chmod(0o755)
+        problems += [f"{out.name}: {problem}" for problem in found]
+        if content(locked) != before:
+            problems.append(f"{out.name}: the folder was changed")
+        refused += not found
+    problems += _answer(scene, folder, begun, [], {0})
+    if held(begun) != held(whole):
+        problems.append("other bits once it was unlocked")
+    return refused, problems
 
 
 def _as_others() -> list[str]:
@@ -97,7 +130,10 @@ def _as_others() -> list[str]:
 
 def _answer(scene: Scene, folder: Path, out: Path, prefix: list[str], allowed: set[int]) -> list[str]:
     """Run the scene; what is wrong with its status and its words."""
-    command = [*prefix, sys.executable, "-m", *scene.command(folder, out)]
+    return _told([*prefix, sys.executable, "-m", *scene.command(folder, out)], allowed)
+
+
+def _told(command: list[str], allowed: set[int]) -> list[str]:
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, timeout=300)
     return _problems(done, allowed)
 
@@ -111,7 +147,3 @@ def _problems(done: subprocess.CompletedProcess[str], allowed: set[int]) -> list
     if done.returncode and not any(word in " ".join(done.stderr.split()) for word in WORDS):
         problems.append(f"it does not say why: {done.stderr.strip()[-300:]}")
     return problems
-
-
-def _content(folder: Path) -> dict[str, bytes]:
-    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}

@@ -11,7 +11,7 @@ from pathlib import Path
 from geodem.boundaries.walls import plane
 from geodem.builders.assembly_builder import AssemblyBuilder
 from geodem.builders.packings import lattice
-from geodem.errors import InputError
+from geodem.errors import InputError, StoppedError
 from geodem.particle_recorder import Recorder
 from geodem.particle_simulation import ParticleSimulation
 
@@ -48,3 +48,6 @@ if __name__ == "__main__":
     except InputError as error:
         print(error, file=sys.stderr)
         sys.exit(2)
+    except StoppedError as error:
+        print(error, file=sys.stderr)
+        sys.exit(3)

@@ -1,82 +1,24 @@
-"""Small runs of every kind to be interrupted, and what their folders hold."""
+"""Small runs of every kind to be interrupted."""
 
 from __future__ import annotations
 
-import hashlib
-import json
+import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-import h5py
-import numpy as np
-from PIL import Image
-
-from geodem.case.any_kind import load_any
-from geodem.errors import InputError
-from geodem.io.checkpoint import FORMATS, checksum, read_checkpoint
-from geodem.io.history import read_history
-from geodem.io.run_folder import PART, resumable
-from geodem.laboratory.orders import TEST
+from geodem.io.run_folder import resumable
 
 from . import fuzzing_files
+from . import interruptions_cases as cases
+from .interruptions_cases import GROUND, LABORATORY, SLOPE
+from .interruptions_files import broken_files, held
 
-SLOPE = """\
-workflow = "slope"
-title = "Small slope"
-particles = 1650
-methods = ["strength-reduction", "gravity-increase"]
-tolerance = 0.05
-seed = 3
+__all__ = ["GROUND", "LABORATORY", "SCENES", "SLOPE", "Scene", "broken_files", "held"]
 
-[section]
-regions = [{material = "soil", polygon = [[0,0],[40,0],[40,15],[25,15],[10,5],[0,5]]}]
-
-[boundary]
-left = "roller"
-right = "roller"
-bottom = "fixed"
-""" + fuzzing_files.SOIL.replace("{name}", "soil")
-"""Coarse model, particles placed anew where it failed, both methods, the search without dilation."""
-
-GROUND = """\
-workflow = "ground"
-title = "Bank"
-
-[source]
-image = "section.png"
-scale = "0.5 m/px"
-legend = {"#8c6d31" = "soil", "#d62728" = "seam"}
-
-[particles]
-particles = 300
-
-[material.soil]
-density = "1900 kg/m3"
-
-[material.seam]
-density = "2100 kg/m3"
-"""
-LABORATORY = """\
-workflow = "laboratory"
-title = "Small granite"
-seeds = 6
-
-[specimen]
-across = 10
-
-[material]
-law = "rock"
-density = "2630 kg/m3"
-effective_modulus = "80 GPa"
-stiffness_ratio = 2.5
-tensile_strength = "15 MPa"
-shear_strength = "60 MPa"
-friction_coefficient = 0.7
-
-[[test]]
-kind = "direct-tension"
-"""
+OTHERS = r"^(?!.*\.(h5|npz)$)"
+"""Files that nothing is gone on from."""
 
 
 class Scene(NamedTuple):
@@ -90,129 +32,82 @@ class Scene(NamedTuple):
         (folder, out) -> module and arguments that begin it, or go on with what `out` holds.
     kept, outputs : str
         Patterns of the files that it goes on from, and of the others.
+    often : str
+        MODULE:NAME of the time between two places that can be gone on from [s]. A small run would be over before the
+        first one, so that it is made short.
+    grows : bool
+        Its history grows while it goes on; else one that is there is whole.
+    overwrites : bool
+        It can be told to take away what is in its folder.
     """
 
     prepare: Callable[[Path], None]
     command: Callable[[Path, Path], list[str]]
-    kept: str
-    outputs: str
+    kept: str = r"\.h5$"
+    outputs: str = OTHERS
+    often: str = ""
+    grows: bool = False
+    overwrites: bool = True
 
 
-def _case(text: str, how: str = "run") -> Scene:
+def _case(
+    text: str, how: str = "run", *, kept: str = r"\.h5$", often: str = "", grows: bool = False
+) -> Scene:
     def prepare(folder: Path) -> None:
         fuzzing_files.write_sources(folder / "case")
         (folder / "case" / "case.toml").write_text(text)
+        (folder / "case" / "bank.toml").write_text(cases.BANK)
 
     def command(folder: Path, out: Path) -> list[str]:
         if resumable(out):
             return ["geodem", "resume", str(out), "--threads", "1"]
         return ["geodem", how, str(folder / "case"), "--out", str(out), "--threads", "1"]
 
-    return Scene(prepare, command, r"\.h5$|filling\.npz$", r"^(?!.*\.(h5|npz)$)")
+    return Scene(prepare, command, kept, OTHERS, often, grows)
 
 
+OLDER = "Another title"
+
+
+def make_older(whole: Path, out: Path) -> None:
+    """A folder that holds the finished run of another case of the same kind."""
+    shutil.copytree(whole, out)
+    for name, pattern, text in (
+        ("case.toml", r"^title = .*$", f'title = "{OLDER}"'),
+        ("result.json", r'"identity": ".*?"', '"identity": "another"'),
+    ):
+        held = (out / name).read_text()
+        (out / name).write_text(re.sub(pattern, text, held, count=1, flags=re.MULTILINE))
+
+
+def next_command(scene: Scene, folder: Path, out: Path) -> list[str]:
+    """As of the scene; written over what `make_older` left, for as long as that stands there."""
+    if not (out / "case.toml").is_file() or OLDER not in (out / "case.toml").read_text():
+        return scene.command(folder, out)
+    return overwriting(scene, folder, out)
+
+
+def overwriting(scene: Scene, folder: Path, out: Path) -> list[str]:
+    """The command that begins a run and takes away what is in its folder."""
+    nowhere = folder / "nowhere"
+    command = [str(out) if word == str(nowhere) else word for word in scene.command(folder, nowhere)]
+    return [*command, "--overwrite"]
+
+
+SEARCH = "geodem.analysis:CHECKPOINT_SECONDS"
 SCENES = {
-    "slope": _case(SLOPE),
-    "ground": _case(GROUND),
-    "laboratory": _case(LABORATORY, "lab"),
+    "slope": _case(SLOPE.replace("tolerance = 0.05", "tolerance = 0.1"), often=SEARCH, grows=True),
+    "ground": _case(GROUND, kept=r"filling\.npz$"),
+    "laboratory": _case(LABORATORY.replace("seeds = 6", "seeds = 3"), "lab", grows=True),
     "particles": Scene(
         lambda folder: None,
         lambda folder, out: [f"{__package__}.interruptions_particles", str(out)],
-        r"checkpoint\.h5$",
-        r"^(?!.*\.h5$)",
+        grows=True,
+        overwrites=False,
     ),
-}
-
-
-def held(out: Path) -> dict[str, str]:
-    """Digests of what must have the same bits however the run was interrupted, by name."""
-    found = {}
-    for path in sorted(out.rglob("*")):
-        name = str(path.relative_to(out))
-        if name in ("history.csv", "filling.npz") or path.suffix in (".vtkhdf", ".series"):
-            found[name] = hashlib.sha256(path.read_bytes()).hexdigest()
-        elif name == "result.json":
-            result = json.loads(path.read_text())
-            found[name] = f"{result['status']} {result.get('digest')} {result.get('particles')}"
-        elif name == "checkpoint.h5" and not (out / "result.json").exists():
-            found[name] = _state(path)
-    # times of tests stand in the laboratory's history and frames do not tell of them
-    if (out / "tests").is_dir():
-        found.pop("history.csv", None)
-    return found
-
-
-def _state(path: Path) -> str:
-    """Positions, velocities and step of a checkpoint of particles; how batches were cut stands in it too."""
-    state = read_checkpoint(path, FORMATS["geodem-particles"])["state"]
-    arrays = {name: value for name, value in state.items() if isinstance(value, np.ndarray)}
-    return checksum(arrays) + str(state["plain"]["numbers"]["steps"])
-
-
-def broken_files(out: Path) -> list[str]:
-    """What is wrong with the files of a folder; those under an unfinished name no reader takes."""
-    if not out.exists():
-        return []
-    wrong = []
-    for path in sorted(out.rglob("*")):
-        if path.is_dir() or (path.name.startswith(".") and path.name.endswith(".part")):
-            continue
-        try:
-            _READERS[path.suffix](path)
-        except Exception as error:
-            wrong.append(f"{path.name} is no whole file: {type(error).__name__} {error}")
-    return wrong
-
-
-def _checkpoint(path: Path) -> None:
-    for form in (*FORMATS.values(), PART, TEST):
-        try:
-            read_checkpoint(path, form)
-        except InputError:
-            continue
-        return
-    raise ValueError("no checkpoint")
-
-
-def _history(path: Path) -> None:
-    if not path.read_bytes().endswith(b"\n"):
-        # of a run in motion: the line that was being written; a resumed run cuts it off
-        text = path.read_bytes()
-        if b"\n" not in text:
-            raise ValueError("no whole line")
-    read_history(path)
-
-
-def _html(path: Path) -> None:
-    if not path.read_text(encoding="utf-8").rstrip().endswith("</html>"):
-        raise ValueError("no end")
-
-
-def _frame(path: Path) -> None:
-    with h5py.File(path) as file:
-        if "VTKHDF" not in file:
-            raise ValueError("no frame")
-
-
-def _picture(path: Path) -> None:
-    with Image.open(path) as picture:
-        picture.load()
-
-
-def _archive(path: Path) -> None:
-    with np.load(path, allow_pickle=False) as file:
-        for name in file.files:
-            file[name]
-
-
-_READERS: dict[str, Callable[[Path], object]] = {
-    ".h5": _checkpoint,
-    ".json": lambda path: json.loads(path.read_text()),
-    ".series": lambda path: json.loads(path.read_text()),
-    ".toml": load_any,
-    ".csv": _history,
-    ".html": _html,
-    ".vtkhdf": _frame,
-    ".png": _picture,
-    ".npz": _archive,
+    "tunnel": _case(cases.TUNNEL, often="geodem.tunnel_run:KEEP_SECONDS"),
+    "breaking": _case(cases.BREAKING, often="geodem.breaking_run:KEEP_SECONDS"),
+    "cutting": _case(cases.CUTTING),
+    "runout": _case(cases.RUNOUT, often="geodem.runout_run:KEPT_SECONDS"),
+    "sweep": _case(cases.SWEEP, "sweep", kept=r"\.h5$|^\d+\.json$", often=SEARCH),
 }

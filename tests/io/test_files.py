@@ -8,7 +8,8 @@ import sys
 
 import pytest
 
-from geodem.io.files import read_json, remove_unfinished
+from geodem.errors import InputError
+from geodem.io.files import read_json, remove, remove_unfinished
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "7", '"a"', "[" * 100_000, "null", '{"a": 1', b"\xff\xfe"])
@@ -16,6 +17,14 @@ def test_what_is_no_table_is_nothing(text, tmp_path):
     path = tmp_path / "result.json"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     assert not read_json(path)
+
+
+def test_what_cannot_be_taken_away_is_told_in_words(tmp_path):
+    remove(tmp_path / "is not there")
+    (tmp_path / "report.html").mkdir()
+    with pytest.raises(InputError, match="a folder has the name") as told:
+        remove(tmp_path / "report.html")
+    assert "--out" in told.value.remedy
 
 
 def test_unfinished_files_of_dead_processes_are_taken_away_everywhere(tmp_path):

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from geodem import resume_case
 from geodem.errors import InputError, StoppedError
 from geodem.io import run_folder
 from geodem.io.files import read_json
@@ -120,7 +123,40 @@ def test_overwriting_takes_away_what_a_run_wrote_and_nothing_else(tmp_path):
     finish(tmp_path)
     (tmp_path / "notes.txt").write_text("mine")
     assert not folder_of(tmp_path, "b").claim(overwrite=True)
-    assert set(content(tmp_path)) == {"notes.txt", "case.toml"}
+    assert set(content(tmp_path)) == {"notes.txt", "case.toml", "result.json"}
+    assert read_json(tmp_path / "result.json") == {"workflow": "pile", "status": "cleared"}
+
+
+@pytest.mark.parametrize("ended", [0, 1, 2, "case"])
+def test_overwriting_that_was_ended_by_force_is_done_again(ended, tmp_path, monkeypatch):
+    """Whatever was taken away by then: the user has said once that it may be."""
+    out = tmp_path / "out"
+    finish(out)
+    left = iter([True] * ended if isinstance(ended, int) else [])
+    plain = Path.unlink
+
+    def unlink(path, **options):
+        if isinstance(ended, int) and not next(left, False):
+            raise KeyboardInterrupt
+        plain(path, **options)
+
+    other = RunFolder(out, CASE + "# other\n", "b", written=("frames-*.vtkhdf",))
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "unlink", unlink)
+        if ended == "case":
+            other.claim(overwrite=True)
+            other.write_case()
+        else:
+            with pytest.raises(KeyboardInterrupt):
+                other.claim(overwrite=True)
+    assert not resumable(out)
+    with pytest.raises(InputError, match="being replaced"):
+        resume_case(out)
+    again = RunFolder(out, CASE + "# other\n", "b", written=("frames-*.vtkhdf",))
+    assert not again.claim()
+    with again.going(HEAD):
+        assert again.finish({})["status"] == "done"
+    assert set(content(out)) == {"case.toml", "result.json"}
 
 
 def test_files_that_a_case_names_are_beside_it(tmp_path):

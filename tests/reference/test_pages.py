@@ -162,6 +162,34 @@ def test_comparisons_with_other_codes(tmp_path):
     assert _tables_below(page, "Dam break")[0][1] == "oblique"
 
 
+def test_interruptions_are_counted_by_kind(tmp_path):
+    results = tmp_path / "results"
+    results.mkdir()
+
+    def row(name, quantity, value, expected):
+        return {"name": name, "quantity": quantity, "value": value, "expected": expected, "good": True}
+
+    rows = [
+        row("slope", "kills at a random moment", 3.0, 3.0),
+        row("slope", "kills in writing its outputs", 4.0, 4.0),
+        row("slope", "kills in all", 7.0, 7.0),
+        row("slope", "broken files, other bits, errors", 1.0, 0.0),
+        row("slope", "runs ended by Ctrl-C", 2.0, 2.0),
+        row("slope", "wrong with runs ended by Ctrl-C", 0.0, 0.0),
+        row("sweep", "runs ended by a full file", 0.0, 0.0),
+        row("sweep", "wrong with runs ended by a full file", 0.0, 0.0),
+    ]
+    (results / "interruptions.json").write_text(json.dumps({"header": HEADER, "rows": rows}))
+    write_pages(results, tmp_path / "docs")
+    page = tmp_path / "docs" / "verification.md"
+    assert _tables_below(page, "Runs that are ended by force") == [
+        ["slope", "3", "-", "4", "2", "-", "-", "-", "-", "-", "1"],
+        ["sweep", "-", "-", "-", "-", "-", "0", "-", "-", "-", "0"],
+    ]
+    assert "killed 7 times" in page.read_text()
+    assert "**1 wrong**" in page.read_text()
+
+
 def test_times(written):
     rows = _tables_below(
         written / "performance.md",
@@ -280,9 +308,9 @@ def test_nothing_was_run(tmp_path):
     stale.write_bytes(b"of an earlier run")
     write_pages(tmp_path / "no results", docs)
     text = (docs / "verification.md").read_text()
-    # slopes, ground, stability, order, and the groups
+    # slopes, ground, stability, interruptions, order, and the groups
     groups = (GROUPS, BODIES, LABORATORY, COMPARED)
-    assert text.count("This has not been run yet") == 4 + sum(map(len, groups))
+    assert text.count("This has not been run yet") == 5 + sum(map(len, groups))
     assert "`python -m reference bench slopes`" in text
     assert "error_against_time" not in (docs / "performance.md").read_text()
     assert not stale.exists()

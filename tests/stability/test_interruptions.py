@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 
@@ -10,7 +11,8 @@ import pytest
 from reference.problems import interruptions
 from reference.problems.fuzzing_judge import ROOT
 from reference.problems.interruptions_disks import full_disks, read_only
-from reference.problems.interruptions_scenes import SCENES, broken_files
+from reference.problems.interruptions_processes import end_all, left_behind, marked, start
+from reference.problems.interruptions_scenes import SCENES, broken_files, make_older, next_command
 
 SEED = 5
 KILLS = {"slope": 3, "ground": 3, "laboratory": 3, "particles": 3}
@@ -30,7 +32,7 @@ def test_no_room_and_no_permission(tmp_path):
     ended, problems = full_disks(SCENES["particles"], tmp_path / "full")
     assert problems == []
     assert ended >= 2
-    assert read_only(SCENES["particles"], tmp_path / "locked") == []
+    assert read_only(SCENES["particles"], tmp_path / "locked") == (4, [])
 
 
 @pytest.mark.parametrize(("moment", "there"), [("half", False), ("whole", False), ("after", True)])
@@ -46,6 +48,7 @@ def test_the_killer_kills_at_its_moment(moment, there, tmp_path):
         "2",
         r"\.txt$",
         "-",
+        "",
         "program",
         str(tmp_path / "out"),
     ]
@@ -68,3 +71,32 @@ def test_the_killer_kills_at_its_moment(moment, there, tmp_path):
 def test_half_a_file_is_seen(name, tmp_path):
     (tmp_path / name).write_bytes(b'{"a": 1' if name == "a.json" else b"<html><bo")
     assert len(broken_files(tmp_path)) == 1
+
+
+def test_processes_that_are_left_behind_are_seen():
+    """One that its parent started in a session of its own, after the parent has gone."""
+    inner = "import time; time.sleep(60)"
+    outer = (
+        f"import subprocess, sys; subprocess.Popen([sys.executable, '-c', {inner!r}], start_new_session=True)"
+    )
+    running = start([sys.executable, "-c", outer])
+    assert running.wait(30.0) == ""
+    assert len(left_behind(running.mark, 0.2)) == 1
+    assert marked(running.mark, "sleep") == marked(running.mark)
+    end_all(running.mark)
+    assert left_behind(running.mark, 0.0) == []
+
+
+def test_results_of_another_case_are_written_over_until_they_are_gone(tmp_path):
+    whole, out = tmp_path / "whole", tmp_path / "out"
+    whole.mkdir()
+    (whole / "case.toml").write_text('workflow = "cutting"\ntitle = "Small cut"\n')
+    (whole / "result.json").write_text('{"status": "done", "identity": "abc"}')
+    scene = SCENES["cutting"]
+    make_older(whole, out)
+    assert json.loads((out / "result.json").read_text()) == {"status": "done", "identity": "another"}
+    command = next_command(scene, tmp_path, out)
+    assert command[-1] == "--overwrite"
+    assert command[command.index("--out") + 1] == str(out)
+    (out / "case.toml").write_text((whole / "case.toml").read_text())
+    assert "--overwrite" not in next_command(scene, tmp_path, out)
