@@ -54,7 +54,7 @@ def _disturb(scene: Scene, folder: Path, times: int, rng: random.Random, how: Ho
     for number in range(times):
         if problems:
             break
-        stopped += how(scene, folder, out, rng.uniform(EARLIEST, seconds), number % 2 == 1, problems)
+        stopped += how(scene, folder, out, rng.uniform(EARLIEST, 0.75 * seconds), number % 2 == 1, problems)
         problems += broken_files(out)
         before = done_runs(out)
         _through(scene, folder, out, problems)
