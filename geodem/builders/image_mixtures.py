@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from geodem.builders.image_pixels import Pixels
 
 _HALF_OPAQUE = 128
+_COLOURS = 256**3
 _AT_A_TIME = 1_000_000
 """Pixels that are looked at together: a large picture with them all would fill the memory."""
 
@@ -43,17 +44,23 @@ def nearest(
 ) -> tuple[NDArray[np.int16], NDArray[np.bool_]]:
     """Nearest listed colour of every pixel (transparent is the last), and whether it is that near."""
     packed = as_numbers(pixels.colour)
-    values, inverse = np.unique(packed, return_inverse=True)
-    colours = as_colours(values)
-    best = np.zeros(len(values), dtype=np.int16)
-    distance = np.full(len(values), np.inf)
-    for index, listed in enumerate(rgb[:-1]):
-        here = np.linalg.norm(colours - listed, axis=1)
-        best[here < distance] = index
-        distance = np.minimum(distance, here)
-    inverse = inverse.reshape(packed.shape)
-    classes = best[inverse]
-    sure = distance[inverse] <= tolerance
+    # a table of all colours there are: sorting the pixels of a large picture takes a gigabyte
+    there = np.zeros(_COLOURS, dtype=bool)
+    there[packed] = True
+    values = np.flatnonzero(there).astype(np.int32)
+    best = np.zeros(_COLOURS, dtype=np.int16)
+    near = np.zeros(_COLOURS, dtype=bool)
+    for k in range(0, len(values), _AT_A_TIME):
+        some = values[k : k + _AT_A_TIME]
+        colours = as_colours(some)
+        distance = np.full(len(some), np.inf)
+        for index, listed in enumerate(rgb[:-1]):
+            here = np.linalg.norm(colours - listed, axis=1)
+            best[some[here < distance]] = index
+            distance = np.minimum(distance, here)
+        near[some] = distance <= tolerance
+    classes = best[packed]
+    sure = near[packed]
     clear = pixels.opacity < _HALF_OPAQUE
     classes[clear] = len(rgb) - 1
     sure[clear] = pixels.opacity[clear] <= 2

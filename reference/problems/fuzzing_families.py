@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -199,11 +200,23 @@ def _pictures(folder: Path) -> Family:
             lambda: section_from_image(path, scale=0.5, legend=LEGEND, picture=folder / "colours.png"),
             lambda: grid_from_image(path, scale=0.5, legend=LEGEND),
             lambda: segment(path, classes=2),
-            lambda: read_slices(path),
+            lambda: read_slices(_stack(folder, path)),
         )
         readers[spec.reader % len(readers)]()
 
     return fuzzing_pictures.SPECS, read
+
+
+def _stack(folder: Path, picture: Path) -> Path:
+    """A folder with a picture twice; a TIFF file as it is."""
+    if picture.suffix == ".tif":
+        return picture
+    stack = folder / "stack"
+    shutil.rmtree(stack, ignore_errors=True)
+    stack.mkdir()
+    for number in range(2):
+        shutil.copy(picture, stack / f"{number}{picture.suffix}")
+    return stack
 
 
 def _meshes(folder: Path) -> Family:
@@ -303,7 +316,9 @@ def _results(folder: Path) -> Family:
     """result.json as another program, a full disk or an editor leaves it."""
     run = RunFolder(folder, 'workflow = "slope"\n', "identity")
     run.claim()
-    run.finish({"workflow": "slope", "title": "x", "factors": [{"value": 1.2}]})
+    run.finish(
+        {"workflow": "slope", "title": "x" * 1500, "factors": [{"value": 1.2}], "notices": ["y" * 1500]}
+    )
     seeds = [
         (folder / "result.json").read_bytes(),
         b"[" * 100_000,

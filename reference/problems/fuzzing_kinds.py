@@ -479,8 +479,7 @@ time = "0.1 s"
     + _ROCK.replace("{name}", "seam")
 )
 
-SPALLING = (
-    """\
+SPALLING = """\
 workflow = "breaking"
 title = "Hole under stress"
 
@@ -509,9 +508,7 @@ kind = "excavate"
 centre = [0, 0]
 radius = "2 m"
 shares = 5
-"""
-    + _ROCK.replace("{name}", "rock")
-)
+""" + _ROCK.replace("{name}", "rock")
 
 GRAINS = """\
 workflow = "breaking"

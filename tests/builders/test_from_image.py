@@ -4,6 +4,7 @@ The truth is the polygon that was drawn. Distances are Hausdorff distances betwe
 """
 
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -11,6 +12,8 @@ import shapely
 from PIL import Image, ImageDraw
 
 from geodem.builders.from_image import label_image, section_from_image
+from geodem.builders.image_mixtures import nearest
+from geodem.builders.image_pixels import Pixels
 from geodem.builders.section import Section
 from tests.builders.pictures import (
     ANGLE,
@@ -358,3 +361,17 @@ def test_random_mosaics_fit_together(tmp_path):
         for k, name in enumerate(names):
             expected = (owner[cell] == k).sum() / samples**2
             assert section.area(name) == pytest.approx(expected, abs=60.0 if suffix == "jpg" else 25.0)
+
+
+def test_a_large_picture_takes_little_memory():
+    """Beside the result of 3 bytes a pixel a table of all 256^3 colours; sorting pixels takes 40 bytes each."""
+    pixels = Pixels(np.zeros((2000, 2000, 3), dtype=np.uint8), np.full((2000, 2000), 255, dtype=np.uint8), False)
+    tracemalloc.start()
+    try:
+        classes, sure = nearest(pixels, np.array([[0, 0, 0], [255, 255, 255], [0, 0, 0]]), 16.0)
+        highest = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert not classes.any()
+    assert sure.all()
+    assert highest < 3 * 256**3 + 20 * 4_000_000
