@@ -20,7 +20,8 @@ import sys
 import tempfile
 import textwrap
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -46,6 +47,9 @@ _FINITE_OPTIONS = "error_model='numpy', fastmath=True"
 # of the time.
 _CALLED = "cache=True, no_cfunc_wrapper=True"
 _INNER = "no_cpython_wrapper=True, no_cfunc_wrapper=True"
+
+COMPILE_SECONDS, COMPILE_SECONDS_PER_LINE = 2.0, 0.007
+"""Time of compiling a kernel, and what each line of its text adds, about [s]."""
 
 _compile_seconds = 0.0
 
@@ -267,9 +271,36 @@ def compile_kernel(
     return module
 
 
+_told: Callable[[float], None] | None = None
+_told_of: set[str] = set()
+
+
+@contextmanager
+def told_of_compiling(tell: Callable[[float], None]) -> Iterator[None]:
+    """While it lasts `tell` is given the seconds that a kernel about to be compiled takes, about.
+
+    Kernels that are found in the cache are not told of, and each of the others once.
+    """
+    global _told
+    before, _told = _told, tell
+    try:
+        yield
+    finally:
+        _told = before
+
+
+def _tell_of(dispatcher: Any) -> None:
+    """Tell whoever wants to know that the kernel is compiled that a function belongs to."""
+    path = Path(dispatcher.py_func.__code__.co_filename)
+    if _told is None or path.name in _told_of or not path.name.startswith("geodem_kernel_"):
+        return
+    _told_of.add(path.name)
+    _told(COMPILE_SECONDS + COMPILE_SECONDS_PER_LINE * path.read_text().count("\n"))
+
+
 @cache
 def _rest_collector_while_compiling() -> None:
-    """Let Python's collector of garbage rest while numba compiles.
+    """Let Python's collector of garbage rest while numba compiles, and tell who wants to know that it does.
 
     numba makes millions of small objects that live as long as the compilation, and looking through them again and
     again is a fifth of its time.
@@ -283,10 +314,11 @@ def _rest_collector_while_compiling() -> None:
             self.depth = 0
             self.collects = False
 
-        def on_start(self, event: object) -> None:
+        def on_start(self, event: Any) -> None:
             if self.depth == 0:
                 self.collects = gc.isenabled()
                 gc.disable()
+                _tell_of(event.data["dispatcher"])
             self.depth += 1
 
         def on_end(self, event: object) -> None:

@@ -27,6 +27,7 @@ from .measure.failing_zone import FailingZone, failing_zone
 from .model import Model
 from .provenance import sources_digest
 from .record import MethodRecord, write_trials
+from .run_progress import Work, together
 from .simulation import Simulation
 from .stability.bracket import Trial, bracket
 from .stability.criteria import Criteria
@@ -61,6 +62,8 @@ class Update(NamedTuple):
     text: str
     progress: Progress | None = None
     seconds_left: float = math.nan
+    seconds_most: float = math.nan
+    work: Work | None = None  # of all searches, steps times particles
 
 
 class Analysis:
@@ -331,13 +334,21 @@ class Analysis:
     def _tell(self, search: Search) -> None:
         if self.seconds_to_first_step is None:
             self.seconds_to_first_step = self.wall_seconds()
-        progress = search.progress()
+        work = self._work(search)
         pace = search.pace(self._done_trials)
-        left = progress.seconds_left + pace * sum(planned.work() for planned in self._plan)
         # limit equilibrium, pictures and report
-        left += CLOSING * self._building
+        left, most = (pace * part + CLOSING * self._building for part in (work.left, work.most))
         text = f"{search.method.kind} on {search.simulation.model.particles:,} particles"
-        self.watch(Update("search", text, progress, left))
+        self.watch(Update("search", text, search.progress(), left, most, work))
+
+    def _work(self, search: Search) -> Work:
+        """Steps times particles of all searches; of this one, which is under way, and of those still to come."""
+        records = self.records.values()
+        known = [
+            part for r in records for part in (r.coarse, r.fine, r.zero_dilation) if part is not search.trials
+        ]
+        done = sum(trial.steps * trial.particles for part in known for trial in part)
+        return together([Work(done, 0.0), search.work(), *(planned.work() for planned in self._plan)])
 
     # --- checkpoints --------------------------------------------------------------------------------------------
 

@@ -10,8 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from ._jit import compile_seconds, set_threads
+from .breaking.forecast import Forecast
 from .breaking.search import Search
-from .breaking.site import Site
+from .breaking.site import UNBALANCED, Site
 from .breaking.stages import FindFactor, Stage
 from .breaking_building import Works, build_works
 from .breaking_quick import quick
@@ -20,17 +22,20 @@ from .case.breaking import BreakingCase
 from .errors import InputError
 from .io.checkpoint import Tree, checksum
 from .io.files import read_json
-from .io.history import write_history
+from .io.history import HistoryWriter, continued_history, write_history
 from .io.particle_frames import write_frame
 from .io.run_folder import RunFolder
 from .plotting.breaking_pictures import breaking_pictures
 from .plotting.breaking_report import write_breaking_report
-from .run_progress import RunUpdate
+from .run_progress import Pace, RunUpdate
 
 KEEP_SECONDS = 60.0
 """Of a long stage: time between places that can be gone on from [s]."""
 FRAMES = "frames"
 WRITTEN = (f"{FRAMES}/*", "failed-*/*", "figures/*.png")
+
+CLOSING = 4.0
+"""Time of pictures and report, about [s]."""
 
 Watch = Callable[[RunUpdate], None]
 
@@ -77,8 +82,6 @@ def run_breaking(
     StoppedError
         `stop_asked` said so; what was done is kept.
     """
-    from ._jit import set_threads
-
     count = set_threads(threads)
     case = quick(case) if quickly else case
     beside, copies = case.beside()
@@ -97,9 +100,15 @@ def run_breaking(
         "threads": count,
         "command": command,
     }
+    site = works.site
+    forecast = Forecast(
+        works.stages, particles=len(site.origin), dimension=site.simulation.dimension,
+        time_step=site.simulation.time_step,
+    )  # fmt: skip
+    pace = Pace(compile_seconds, closing=CLOSING)
     with run.going(head):
         ends = [
-            _carry_out(run, works, number, stage, watch, stop_asked)
+            _carry_out(run, works, number, stage, watch, stop_asked, forecast, pace)
             for number, stage in enumerate(works.stages)
         ]
         return _write(run, case, works, ends)
@@ -150,14 +159,28 @@ class _Watcher:
     text: str
     watch: Watch | None
     asked: Callable[[], bool] | None
+    history: HistoryWriter
+    forecast: Forecast
+    pace: Pace
 
     def __post_init__(self) -> None:
         self.kept = time.perf_counter()
-        self.told("")
+        self.detail = ""
+        self.tell()
+
+    def recorded(self, row: tuple[float, ...], steps: int) -> None:
+        self.history.write(*row)
+        self.forecast.saw(steps, row[UNBALANCED])
+        self.tell()
 
     def told(self, detail: str) -> None:
+        self.detail = detail
+        self.tell()
+
+    def tell(self) -> None:
         if self.watch is not None:
-            self.watch(RunUpdate("stage", self.text, detail))
+            work = self.forecast.work()
+            self.watch(RunUpdate("stage", self.text, self.detail, *self.pace.left(work), work))
 
     def stop_asked(self) -> bool:
         return self.asked is not None and self.asked()
@@ -178,6 +201,8 @@ def _carry_out(
     stage: Stage,
     watch: Watch | None,
     stop_asked: Callable[[], bool] | None,
+    forecast: Forecast,
+    pace: Pace,
 ) -> StageEnd:
     """One stage, or what is kept of it."""
     text = f"stage {number + 1} of {len(works.stages)}: {stage.name}"
@@ -188,30 +213,34 @@ def _carry_out(
         # what is done stays as it is while the next stage moves on
         works.site.take_over(Site.from_tree(done.site.tree()))
         return done
-    watcher = _Watcher(run, number, text, watch, stop_asked)
     begun = time.perf_counter()
     site = works.site
     site.place = (number + 1, site.place[1])
-    if isinstance(stage, FindFactor):
-        search = Search(stage.plan, site.tree())
-        part = run.part(_name(number))
-        if part is not None:
-            search.take_up(part["search"])
-        name = _name(number)
-        found = search.run(watcher, lambda s: run.keep(name, {"search": s.tree(), "plain": {"done": False}}))
-        site.take_over(found)
-        facts: dict[str, Any] = {}
-        tree: Tree = {"site": site.tree(), "search": search.tree()}
-        write_frame(run.path / FRAMES, site.simulation)
-        if search.failed is not None:
-            write_frame(run.path / f"failed-{number + 1}", Site.from_tree(search.failed).simulation)
-    else:
-        part = run.part(_name(number))
-        if part is not None:
-            site.take_over(Site.from_tree(part["site"]))
-        facts = stage.carry_out(site, watcher)
-        tree = {"site": site.tree()}
-        write_frame(run.path / FRAMES, site.simulation)
+    name = _name(number)
+    part = run.part(name)
+    search = Search(stage.plan, site.tree()) if isinstance(stage, FindFactor) else None
+    if part is not None and search is not None:
+        search.take_up(part["search"])
+    elif part is not None:
+        site.take_over(Site.from_tree(part["site"]))
+    rows = site.history if search is None else [*site.history, *search.rows]
+    with continued_history(run.path / "history.csv", site.columns(), rows) as history:
+        forecast.begin(number, search, gone=site.done)
+        watcher = _Watcher(run, number, text, watch, stop_asked, history, forecast, pace)
+        if search is None:
+            assert not isinstance(stage, FindFactor)
+            facts = stage.carry_out(site, watcher)
+            tree: Tree = {"site": site.tree()}
+        else:
+            found = search.run(
+                watcher, lambda s: run.keep(name, {"search": s.tree(), "plain": {"done": False}})
+            )
+            site.take_over(found)
+            facts = {}
+            tree = {"site": site.tree(), "search": search.tree()}
+    write_frame(run.path / FRAMES, site.simulation)
+    if search is not None and search.failed is not None:
+        write_frame(run.path / f"failed-{number + 1}", Site.from_tree(search.failed).simulation)
     facts["seconds"] = round(time.perf_counter() - begun, 3)
     run.keep(_name(number), {**tree, "plain": {"done": True, "facts": facts}})
     end = _kept(run, number, stage)

@@ -49,6 +49,9 @@ QUICK_SPECIMENS = 2
 QUICK_PACE = 0.5
 """Of a quick run: particles across, rounds, specimens of a round and fresh ones, share of the pace."""
 
+TRIAL = (("direct-tension", 0.0), ("uniaxial-compression", 0.0), ("triaxial-compression", 1.0))
+"""Tests of a specimen that is tried, and their confinement over that up to which the friction angle is asked for."""
+
 WRITTEN = (
     MATERIAL_FILE, "tests/*.h5", "tests/trial-*.json", "curves/*.csv", "figures/*.png", "particles-*.vtkhdf",
     "cracks-*.vtkhdf",
@@ -197,11 +200,10 @@ def expected_orders(case: CalibrationCase) -> list[TestOrder]:
     material = material_of(fit, case.targets, case.title)
     specimen = _specimen(options_of(case, False))
     sides = case.targets.sides
-    kinds = (("direct-tension", 0.0), ("uniaxial-compression", 0.0), ("triaxial-compression", sides))
     trials = [
-        TestOrder(kind, {**specimen, "seed": seed}, material, stress=stress, fall=0.85)
+        TestOrder(kind, {**specimen, "seed": seed}, material, stress=confined * sides, fall=0.85)
         for seed in range(ROUNDS * SPECIMENS)
-        for kind, stress in kinds
+        for kind, confined in TRIAL
     ]
     return trials + _orders(case.targets, material, specimen, case.seed, SHOWN, paces.PACE)
 
@@ -225,9 +227,14 @@ def _calibrate(
     stop_asked: Callable[[], bool] | None,
 ) -> Calibration:
     fewer = {"rounds": QUICK_ROUNDS, "specimens": QUICK_SPECIMENS} if quickly else {}
+    # fresh specimens follow
+    orders = expected_orders(case)
+    of_trial, shown = orders[: len(TRIAL)], orders[ROUNDS * SPECIMENS * len(TRIAL) :]
+    after = sum(order.cost() for order in shown) / sum(order.cost() for order in of_trial)
     return calibrate(
         case.targets, options_of(case, quickly), seed=case.seed, name=case.title, workers=workers,
-        done=StoredOutcomes(folder / "tests"), watch=watch, stop_asked=stop_asked, **fewer,
+        done=StoredOutcomes(folder / "tests"), watch=watch, stop_asked=stop_asked,
+        after=after * (QUICK_SPECIMENS / SHOWN if quickly else 1.0), **fewer,
     )  # fmt: skip
 
 

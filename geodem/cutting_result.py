@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
-
-import numpy as np
 
 from .cutting.course import COLUMNS, Course
 from .cutting.outcome import Force, Outcome, chip_facts
@@ -97,11 +96,9 @@ def _doubts(found: Outcome) -> list[str]:
     return doubts
 
 
-def history_rows(course: Course) -> list[list[float]]:
-    """Rows of history.csv; whole numbers as such."""
-    whole = {"step", "tension_cracks", "shear_cracks"}
-    columns = course.columns()
-    lists = [
-        (columns[name].astype(np.int64) if name in whole else columns[name]).tolist() for name in COLUMNS
-    ]
-    return [list(row) for row in zip(*lists, strict=True)]
+def history_row(row: Sequence[float]) -> list[float]:
+    """A row of history.csv of one of a course; whole numbers as such."""
+    return [int(value) if name in WHOLE else value for name, value in zip(COLUMNS, row, strict=True)]
+
+
+WHOLE = ("step", "tension_cracks", "shear_cracks")

@@ -2,31 +2,33 @@
 
 from __future__ import annotations
 
-import math
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ._jit import compile_seconds, set_threads
 from .case.cutting import CuttingCase
 from .cutting.course import Course
 from .cutting.outcome import outcome
 from .cutting_building import Cut, make_cut, quick, speed_warning
-from .cutting_result import assemble, history_names, history_rows
+from .cutting_result import assemble, history_names, history_row
 from .errors import InputError, StoppedError
 from .io.checkpoint import checksum
-from .io.history import write_history
+from .io.history import continued_history
 from .io.particle_frames import remove_later_frames, write_frame
 from .io.run_folder import RunFolder
 from .plotting.cutting_pictures import cutting_pictures
 from .plotting.cutting_report import write_cutting_report
-from .run_progress import RunUpdate
+from .run_progress import Pace, RunUpdate
 
 PART = "cut"
 WRITTEN = ("*.vtkhdf", "*.vtkhdf.series", "figures/*.png")
 """What a run writes beside the files of every run."""
+
+CLOSING = 4.0
+"""Time of measures, pictures and report, about [s]."""
 
 Watch = Callable[[RunUpdate], None]
 
@@ -74,8 +76,6 @@ def run_cutting(
     StoppedError
         `stop_asked` said so; the cut goes on from its last frame.
     """
-    from ._jit import set_threads
-
     count = set_threads(threads)
     case = quick(case) if quickly else case
     run = folder_of(case, out)
@@ -123,20 +123,22 @@ def _carry_out(cut: Cut, run: RunFolder, tell: Watch, stop_asked: Callable[[], b
     else:
         course = cut.resume(kept)
         remove_later_frames(run.path, course.simulation.steps)
-    begun, first = time.perf_counter(), course.way
-    whole = cut.plan.distance
+    pace = Pace(compile_seconds, done=course.work().done, closing=CLOSING)
+    kept_rows = map(history_row, course.rows)
+    with continued_history(run.path / "history.csv", history_names(), kept_rows) as history:
 
-    def told(way: float) -> None:
-        gone = way - first
-        left = (time.perf_counter() - begun) * (whole - way) / gone if gone > 0.0 else math.nan
-        tell(RunUpdate("cut", "cutting", f"{100.0 * way / whole:.0f} % of the way", left))
+        def looked(row: tuple[float, ...]) -> None:
+            history.write(*history_row(row))
+            work = course.work()
+            done = f"{100.0 * course.way / cut.plan.distance:.0f} % of the way"
+            tell(RunUpdate("cut", "cutting", done, *pace.left(work), work))
 
-    while not course.finished:
-        if stop_asked is not None and stop_asked():
-            raise StoppedError("stopped")
-        course.advance(progress=told)
-        write_frame(run.path, course.simulation)
-        run.keep(PART, course.tree())
+        while not course.finished:
+            if stop_asked is not None and stop_asked():
+                raise StoppedError("stopped")
+            course.advance(looked=looked)
+            write_frame(run.path, course.simulation)
+            run.keep(PART, course.tree())
     return course
 
 
@@ -145,7 +147,6 @@ def _write(cut: Cut, course: Course, run: RunFolder) -> dict[str, Any]:
     found = outcome(course, cut.solid_fraction)
     warnings = [*cut.warnings, *speed_warning(cut.plan, cut.placed, course.simulation)]
     result = run.whole(assemble(cut, course, found, warnings))
-    write_history(run.path / "history.csv", history_names(), history_rows(course))
     pictures = cutting_pictures(cut, course, found)
     write_cutting_report(run.path / "report.html", result, pictures, run.case_text)
     return run.finish(result)

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .assembly import Assembly
-from .errors import InputError
 from .neighbors import PairList, lattice, spatial_order, wrapped
 
 Floats = NDArray[np.float64]
@@ -106,17 +105,11 @@ def first_rows(assembly: Assembly, ids: NDArray[np.int64]) -> Floats:
 def row_arrays(assembly: Assembly, ids: NDArray[np.int64], *, applied: bool) -> RowArrays:
     """What steps read, in the order of the rows; `applied`: forces are or will be applied.
 
-    Raises InputError where a particle has several anchors.
+    No particle has several anchors.
     """
     bits = 1 << np.arange(assembly.held.shape[1])
     anchor_of = np.full(1, -1, dtype=np.int32)
     if assembly.anchors is not None:
-        anchored, springs = np.unique(assembly.anchors.particle, return_counts=True)
-        if springs.max(initial=0) > 1:
-            raise InputError(
-                f"particle {int(anchored[np.argmax(springs)])}", "it has more than one anchor",
-                "Give it one, or bond it to held particles",
-            )  # fmt: skip
         of_particle = np.full(assembly.particles, -1, dtype=np.int32)
         of_particle[assembly.anchors.particle] = np.arange(len(assembly.anchors.particle))
         anchor_of = of_particle[ids]

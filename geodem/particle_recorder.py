@@ -13,10 +13,10 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import Any
 
 import numpy as np
 
+from ._jit import compile_seconds, told_of_compiling
 from .errors import InputError, StoppedError, UnstableError
 from .io.files import remove_unfinished
 from .io.history import HistoryWriter, cut_history
@@ -24,6 +24,7 @@ from .io.particle_checkpoint import checkpoint_step
 from .io.particle_frames import last_whole_frame, remove_later_frames, write_frame
 from .measure.particle_energy import ParticleEnergy
 from .particle_simulation import ParticleSimulation
+from .run_progress import Pace, RunUpdate, Work, duration, time_left
 
 LOOK_SECONDS = 0.3
 """How often a run looks whether it is to stop, and tells how far it is."""
@@ -50,6 +51,8 @@ class Recorder:
         Show a bar with the time left; where left out, on terminals only.
     stop_asked : callable, optional
         Asked a few times a second; True stops the run as Ctrl-C does.
+    watch : callable, optional
+        Is given a `geodem.run_progress.RunUpdate` a few times a second: how far the run is, and the time left.
 
     Raises
     ------
@@ -67,6 +70,7 @@ class Recorder:
         checkpoint_seconds: float = 60.0,
         show: bool | None = None,
         stop_asked: Callable[[], bool] | None = None,
+        watch: Callable[[RunUpdate], None] | None = None,
     ) -> None:
         for name, every in (("history_every", history_every), ("frame_every", frame_every)):
             if every is not None and every < 1:
@@ -82,6 +86,7 @@ class Recorder:
         self.checkpoint_seconds = checkpoint_seconds
         self.show = show
         self.stop_asked = stop_asked
+        self.watch = watch
         self.columns = history_columns(simulation)
         self._part = 10  # steps between two looks
         self._recorded = self._drawn = -1  # last steps in the history and in frames
@@ -108,7 +113,7 @@ class Recorder:
         saved = time.perf_counter()
         with (
             _interruptible() as interrupted,
-            _progress(self.show, s.steps, step) as told,
+            _progress(self.show, self.watch, s.steps, step) as told,
             self._history() as history,
         ):
             while True:
@@ -238,26 +243,51 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
             signal.signal(number, handler)
 
 
+Telling = Callable[[ParticleSimulation], None]
+
+
 @contextmanager
-def _progress(show: bool | None, first: int, last: int) -> Iterator[Callable[[ParticleSimulation], None]]:
-    """A bar with steps, speed, breaks and the time left, where it is wanted."""
+def _progress(
+    show: bool | None, watch: Callable[[RunUpdate], None] | None, first: int, last: int
+) -> Iterator[Telling]:
+    """Tells how far the run is and how long it still takes, and shows it as a bar where that is wanted."""
+    pace = Pace(compile_seconds, done=first)
+    with _bar(show, first, last) as shown:
+
+        def told(s: ParticleSimulation) -> None:
+            work = Work(s.steps, max(last - s.steps, 0))
+            broken = int((s.record[: len(s.assembly.bonds), 0] > 0).sum())
+            state = f"{s.time:.4g} s" + (f", {broken:,} bonds broken" if len(s.assembly.bonds) else "")
+            update = RunUpdate("motion", f"to step {last:,}", state, *pace.left(work), work)
+            shown(update)
+            if watch is not None:
+                watch(update)
+
+        yield told
+
+
+@contextmanager
+def _bar(show: bool | None, first: int, last: int) -> Iterator[Callable[[RunUpdate], None]]:
+    """A bar with steps, breaks and the time left, where it is wanted."""
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
     console = Console(stderr=True)
     if not (console.is_terminal if show is None else show):
         yield lambda _: None
         return
-    columns: list[Any] = [
-        TextColumn("step"), MofNCompleteColumn(), BarColumn(), TextColumn("{task.fields[state]}"),
-        TimeRemainingColumn(), TextColumn("left"),
-    ]  # fmt: skip
-    with Progress(*columns, console=console, speed_estimate_period=60.0) as bar:
+    columns = ("step", MofNCompleteColumn(), BarColumn(), "{task.fields[state]}")
+    with Progress(*(TextColumn(c) if isinstance(c, str) else c for c in columns), console=console) as bar:
         task = bar.add_task("", total=last, completed=first, state="")
 
-        def told(s: ParticleSimulation) -> None:
-            broken = int((s.record[: len(s.assembly.bonds), 0] > 0).sum())
-            state = f"{s.time:.4g} s" + (f", {broken:,} bonds broken" if len(s.assembly.bonds) else "")
-            bar.update(task, completed=s.steps, state=state)
+        def told(update: RunUpdate) -> None:
+            assert update.work is not None
+            left = time_left(update.seconds_left)
+            state = f"{update.detail}, {left}" if left else update.detail
+            bar.update(task, completed=update.work.done, state=state)
 
-        yield told
+        def compiling(seconds: float) -> None:
+            bar.update(task, state=f"compiling, about {duration(seconds)}")
+
+        with told_of_compiling(compiling):
+            yield told

@@ -196,6 +196,24 @@ def first_pairs(s: ParticleSimulation) -> PairList:
     return bond_pairs(s.now, s.arrays.ids, a.bonds, histories, offset=len(layout.contact), **common)
 
 
+def refuse_time_step(given: float | None) -> None:
+    """Raise InputError for a time step that is no time."""
+    if given is not None and not (math.isfinite(given) and given > 0.0):
+        raise InputError("time_step", "this is no time", "Give seconds, more than 0", value=given)
+
+
+def refuse_anchors(assembly: Assembly) -> None:
+    """Raise InputError where a particle has several anchors."""
+    if assembly.anchors is None:
+        return
+    anchored, springs = np.unique(assembly.anchors.particle, return_counts=True)
+    if springs.max(initial=0) > 1:
+        raise InputError(
+            f"particle {int(anchored[np.argmax(springs)])}", "it has more than one anchor",
+            "Give it one, or bond it to held particles",
+        )  # fmt: skip
+
+
 def choose_time_step(critical: float, given: float | None) -> float:
     """The given step or a safe one [s]; raises InputError for one that would explode, or where none follows."""
     if given is None:
@@ -205,8 +223,6 @@ def choose_time_step(critical: float, given: float | None) -> float:
                 "Give one in seconds",
             )  # fmt: skip
         return SAFETY * critical
-    if not (math.isfinite(given) and given > 0.0):
-        raise InputError("time_step", "this is no time", "Give seconds, more than 0", value=given)
     if given > critical:
         raise InputError(
             "time_step", f"this is above the critical time step of {critical:.6g} s, so the motion would explode",

@@ -47,8 +47,10 @@ from .particle_setup import (
     hand_over,
     joint_table,
     parameter_tables,
+    refuse_anchors,
     refuse_convention,
     refuse_damping,
+    refuse_time_step,
     scene_features,
     start_cell,
 )
@@ -121,6 +123,9 @@ class ParticleSimulation(ParticleReading):
     ) -> None:
         refuse_damping(local_damping, global_damping, stiffness_damping)
         refuse_convention(convention, assembly.dimension, energy, global_damping, local_damping)
+        # what is wrong with the input is told before anything is compiled
+        refuse_time_step(time_step)
+        refuse_anchors(assembly)
         self.assembly = assembly
         self.dimension = assembly.dimension
         self.columns = Columns(assembly.dimension)
@@ -134,6 +139,8 @@ class ParticleSimulation(ParticleReading):
         self.cell = start_cell(assembly, self.buffer, sleep)
         tables = parameter_tables(assembly, stiffness_damping)
         self.table, self.bond_table, self.wall_parameters = tables
+        self.walls = wall_table(assembly.walls, self.dimension)
+        check_servo_contact(first_rows(assembly, np.arange(n))[0], self.walls, assembly.walls)
         self.joint_table = joint_table(assembly)
         orientation = self.dimension == 2 if orientation is None else orientation
         self.features = scene_features(
@@ -149,7 +156,6 @@ class ParticleSimulation(ParticleReading):
         if self.dimension == 3:
             self.angle[:, 0] = 1.0
         self.anchors = anchor_table(assembly)
-        self.walls = wall_table(assembly.walls, self.dimension)
         self.steps = 0
         self.stages = [(0, 0.0, 0.0)]
         bonds = len(assembly.bonds)
@@ -172,7 +178,6 @@ class ParticleSimulation(ParticleReading):
         self.wall_pairs = WallPairs.empty(n, chunk=self.chunk, history_width=self.layout.width)
         self._searched()
         self.searches = 1
-        check_servo_contact(self.now, self.walls, assembly.walls)
         self.critical_time_step = critical_time_step(self, local_damping=local_damping)
         self.time_step = choose_time_step(self.critical_time_step, time_step)
         self.span = self.time_step

@@ -1,9 +1,40 @@
-"""What a run tells whoever watches it."""
+"""What a run tells whoever watches it: where it is, how much work is left, and how long that takes.
+
+Work is counted in a unit of which all parts of a run take about the same time: steps times particles, say. So a
+forecast is two of them, each to be looked at by itself: how much work is left, which follows from the run and is the
+same on every machine, and how long a unit of it takes here and now.
+"""
 
 from __future__ import annotations
 
 import math
+import time
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
+
+
+class Work(NamedTuple):
+    """How far a run is.
+
+    Attributes
+    ----------
+    done, left : float
+        What was done, and what is expected to be left.
+    most : float
+        What may be left at most, where nobody can know: a search whose trials may go on. NaN where `left` is all.
+    """
+
+    done: float
+    left: float
+    most: float = math.nan
+
+
+def together(parts: Iterable[Work]) -> Work:
+    """The work of parts of a run, one after the other."""
+    works = list(parts)
+    bounded = any(not math.isnan(part.most) for part in works)
+    most = sum(part.left if math.isnan(part.most) else part.most for part in works) if bounded else math.nan
+    return Work(sum(part.done for part in works), sum(part.left for part in works), most)
 
 
 class RunUpdate(NamedTuple):
@@ -18,10 +49,67 @@ class RunUpdate(NamedTuple):
     detail : str
         How far it is; shown on a terminal only, and may change at every batch of steps.
     seconds_left : float
-        NaN where nobody knows.
+        As expected; NaN where nobody knows.
+    seconds_most : float
+        At most, where it may be more than expected; else NaN.
+    work : Work, optional
+        What the times are made of.
     """
 
     stage: str
     text: str
     detail: str = ""
     seconds_left: float = math.nan
+    seconds_most: float = math.nan
+    work: Work | None = None
+
+
+LEAST = 0.01
+"""Share of the work that has to be done before its pace is trusted: the first steps fill caches."""
+
+
+class Pace:
+    """How long work takes: as long as it has taken so far, compiling left out.
+
+    Parameters
+    ----------
+    compiled : callable
+        Seconds that were spent on compiling so far, as of `geodem._jit.compile_seconds`.
+    done : float
+        Work that was done before, as in a run that is gone on with.
+    closing : float
+        Seconds that follow the work: measures, pictures, report.
+    """
+
+    def __init__(self, compiled: Callable[[], float], *, done: float = 0.0, closing: float = 0.0) -> None:
+        self._compiled = compiled
+        self._closing = closing
+        self.begin(done)
+
+    def begin(self, done: float = 0.0) -> None:
+        """Count from now on, with so much work behind."""
+        self._first = done
+        self._begun = time.perf_counter() - self._compiled()
+
+    def left(self, work: Work) -> tuple[float, float]:
+        """Seconds left as expected, and at most [s]; NaN while little has been done, and where there is no `most`."""
+        done = work.done - self._first
+        if done <= LEAST * (done + work.left):
+            return math.nan, math.nan
+        each = (time.perf_counter() - self._compiled() - self._begun) / done
+        return each * work.left + self._closing, each * work.most + self._closing
+
+
+def duration(seconds: float) -> str:
+    """A time as it is told while one waits: 1 s, 40 s, 2.5 min."""
+    if seconds < 1.0:
+        return "1 s"
+    return f"{seconds:.0f} s" if seconds < 90.0 else f"{seconds / 60.0:.1f} min"
+
+
+def time_left(expected: float, most: float = math.nan) -> str:
+    """How long it still takes, in seconds [s]: "about 5.0 min left, 20.0 min at most"; nothing where nobody knows."""
+    if not math.isfinite(expected):
+        return ""
+    left = f"about {duration(expected)} left"
+    return f"{left}, {duration(most)} at most" if math.isfinite(most) else left

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,14 +19,14 @@ from .case.runout import BEYOND, RunoutCase
 from .errors import InputError, StoppedError
 from .io.checkpoint import checksum
 from .io.files import read_json, remove
-from .io.history import write_history
+from .io.history import continued_history, write_history
 from .io.run_folder import PARTS, RunFolder
 from .model import Model
 from .particle_simulation import ParticleSimulation
 from .plotting.runout_pictures import runout_pictures
 from .plotting.runout_report import write_runout_report
 from .record import MethodRecord
-from .run_progress import RunUpdate
+from .run_progress import Pace, RunUpdate, Work, together
 from .runout.flow import Flow, Look
 from .runout.friction import disc_friction
 from .runout.handing import HandOver, hand_over
@@ -39,6 +40,10 @@ SEARCHING = "searching the failure"
 QUICK_DISCS = 500
 WRITTEN = ("*.vtkhdf", "*.vtkhdf.series", "figures/*.png")
 KEPT_SECONDS = 20.0
+CLOSING = 3.0
+"""Time of pictures and report, about [s]."""
+FLOW_WORK = 40.0
+"""Of a flow over the square of the number of discs: steps times particles of a search that take as long."""
 COLUMNS = (
     "time [s]", "centre of gravity, x [m]", "centre of gravity, y [m]", "kinetic energy [J/m]",
     "potential energy [J/m]", "elastic energy [J/m]", "dissipated energy [J/m]", "front [m]",
@@ -180,9 +185,16 @@ def _search(case: RunoutCase, run: RunFolder, told: Stopping) -> tuple[Model, Me
     """The model that the failure was found on, and what was found."""
     kept = run.part("search")
     if kept is None:
+        flow = FLOW_WORK * case.runout.discs**2.0
 
         def watch(update: Update) -> None:
-            told.watch(RunUpdate("search", SEARCHING, update.text, update.seconds_left))
+            if update.work is None:
+                told.watch(RunUpdate("search", SEARCHING, update.text))
+                return
+            work = together([update.work, Work(0.0, flow)])
+            each = update.seconds_left / update.work.left if update.work.left > 0.0 else math.nan
+            left, most = each * work.left, each * work.most
+            told.watch(RunUpdate("search", SEARCHING, update.text, left, most, work))
 
         told.tell("search", SEARCHING)
         analysis = Analysis(case.slope, watch=watch, stop_asked=told.asked)
@@ -241,20 +253,23 @@ def _flow(hand: HandOver, run: RunFolder, told: Stopping) -> tuple[Flow, Floats]
         for path in run.path.glob("*.vtkhdf*"):
             remove(path)
     saved = time.perf_counter()
-    while not (flow.at_rest or flow.too_long):
-        if told.asked():
-            _keep(flow, places, run)
-            raise StoppedError(f"stopped {flow.simulation.time:.3g} s after the hand-over")
-        look = flow.advance()
-        if (len(flow.looks) - 1) % FRAME_LOOKS == 0:
-            places.append(flow.simulation.positions)
-        told.watch(
-            RunUpdate("flow", "letting the discs flow", f"{look.time:.3g} s, fastest {look.fastest:.3g} m/s")
-        )
-        if time.perf_counter() - saved > KEPT_SECONDS:
-            _keep(flow, places, run)
-            saved = time.perf_counter()
-    _keep(flow, places, run)
+    pace = Pace(compile_seconds, done=flow.work().done, closing=CLOSING)
+    with continued_history(run.path / "history.csv", COLUMNS, flow.looks) as history:
+        while not (flow.at_rest or flow.too_long):
+            if told.asked():
+                _keep(flow, places, run)
+                raise StoppedError(f"stopped {flow.simulation.time:.3g} s after the hand-over")
+            look = flow.advance()
+            history.write(*look)
+            if (len(flow.looks) - 1) % FRAME_LOOKS == 0:
+                places.append(flow.simulation.positions)
+            detail = f"{look.time:.3g} s, fastest {look.fastest:.3g} m/s"
+            work = flow.work()
+            told.watch(RunUpdate("flow", "letting the discs flow", detail, *pace.left(work), work))
+            if time.perf_counter() - saved > KEPT_SECONDS:
+                _keep(flow, places, run)
+                saved = time.perf_counter()
+        _keep(flow, places, run)
     return flow, np.array(places)
 
 

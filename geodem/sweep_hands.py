@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import os
 import queue
 import subprocess
@@ -16,12 +17,20 @@ from pathlib import Path
 from typing import IO, Any, NamedTuple
 
 from .errors import StoppedError
+from .sweep_record import LEFT
 
 POLL = 0.2
 """Seconds between looks at whether all is to stop."""
 
 GRACE = 300.0
 """Seconds that a run is given to come to a place from which it can be gone on with."""
+
+
+class UnderWay(NamedTuple):
+    """A run that is under way for so many seconds, and still takes so many (NaN where it has not told)."""
+
+    seconds: float
+    left: float
 
 
 class Ended(NamedTuple):
@@ -37,7 +46,7 @@ def do_runs(
     *,
     processes: int,
     ended: Callable[[Ended], None],
-    waiting: Callable[[dict[int, float]], None],
+    waiting: Callable[[dict[int, UnderWay]], None],
     stop_asked: Callable[[], bool] | None = None,
 ) -> None:
     """Do runs, the first ones first.
@@ -53,7 +62,7 @@ def do_runs(
     ended : callable
         Is given an `Ended` for each run.
     waiting : callable
-        Is called now and then with the seconds that each run has been under way for.
+        Is called now and then with what is known of each run that is under way.
     stop_asked : callable, optional
 
     Raises
@@ -75,8 +84,10 @@ def do_runs(
             try:
                 hand, said = messages.get(timeout=POLL)
             except queue.Empty:
-                now = time.perf_counter()
-                waiting({hand.number: now - hand.since for hand in hands if hand.number})
+                waiting({hand.number: hand.under_way() for hand in hands if hand.number})
+                continue
+            if said.startswith(LEFT):
+                hand.left, hand.told = float(said.removeprefix(LEFT)), time.perf_counter()
                 continue
             number, hand.number = hand.number, 0
             if said.startswith("gone"):
@@ -123,7 +134,8 @@ class _Hand:
             start_new_session=True,  # Ctrl-C asks the one who waits for it to stop, not this one to die
         )
         self.number = 0
-        self.since = 0.0
+        self.since = self.told = 0.0
+        self.left = math.nan
         assert self.process.stdin is not None
         assert self.process.stdout is not None
         self._orders: IO[str] = self.process.stdin
@@ -134,8 +146,14 @@ class _Hand:
         self._listener.start()
 
     def begin(self, number: int) -> None:
-        self.number, self.since = number, time.perf_counter()
+        self.number, self.since, self.left = number, time.perf_counter(), math.nan
         self._say(str(number))
+
+    def under_way(self) -> UnderWay:
+        """Its run, now."""
+        now = time.perf_counter()
+        left = self.left - (now - self.told)
+        return UnderWay(now - self.since, 0.0 if left < 0.0 else left)
 
     def stop(self) -> None:
         """Tell it to stop; `end` waits for it."""

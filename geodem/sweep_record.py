@@ -16,6 +16,8 @@ from .errors import InputError, StoppedError
 from .io.files import cannot_write, read_json, write_json
 from .provenance import sources_digest
 
+LEFT = "left"
+"""What a process that does a run says before the seconds that it still takes."""
 RUNS = "runs"
 POLL = 0.2
 """Seconds between looks at whether a folder is free."""

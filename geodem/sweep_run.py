@@ -15,7 +15,7 @@ from .io.files import read_json
 from .io.run_folder import RunFolder
 from .plotting.sweep_report import write_sweep_report
 from .run_progress import RunUpdate
-from .sweep_hands import Ended, do_runs
+from .sweep_hands import Ended, UnderWay, do_runs
 from .sweep_record import RunRecord, carry_out, find_record, keep_record
 from .sweep_result import assemble, write_table
 
@@ -238,25 +238,42 @@ class _Course:
         self.records[end.number] = record
         self.tell({})
 
-    def tell(self, running: dict[int, float]) -> None:
+    def tell(self, running: dict[int, UnderWay]) -> None:
         states = [record.status for record in self.records.values()]
         failed = states.count("failed")
         text = f"{states.count('done')} of {len(states)} runs finished" + (
             f", {failed} failed" if failed else ""
         )
         runs = [self.case.runs[number - 1] for number in sorted(running)]
-        detail = "; ".join(f"run {run.number} ({run.told}) for {running[run.number]:.0f} s" for run in runs)
-        self.watch(RunUpdate("sweep", text, detail, self._left(running)))
-
-    def _left(self, running: dict[int, float]) -> float:
-        """Seconds, if the other runs take as long as those that are done do in the mean."""
-        times = [record.seconds for record in self.records.values() if record.status == "done"]
-        if not times:
-            return math.nan
-        mean = sum(times) / len(times)
+        detail = "; ".join(
+            f"run {run.number} ({run.told}) for {running[run.number].seconds:.0f} s" for run in runs
+        )
         waiting = sum(record.status not in ("done", "failed") for record in self.records.values())
-        own = [max(mean - seconds, 0.0) for seconds in running.values()]
-        return max([(mean * (waiting - len(running)) + sum(own)) / self.processes, *own])
+        times = [record.seconds for record in self.records.values() if record.status == "done"]
+        left = seconds_left(times, list(running.values()), waiting - len(running), self.processes)
+        self.watch(RunUpdate("sweep", text, detail, left))
+
+
+def seconds_left(done: Sequence[float], running: Sequence[UnderWay], waiting: int, processes: int) -> float:
+    """Until all runs of a sweep are done, so many at a time [s]; NaN while no run has told anything.
+
+    Runs that wait take as long as those that are done, and those under way as long as they tell, do in the mean.
+
+    Parameters
+    ----------
+    done : sequence of float
+        What runs took [s].
+    running : sequence of UnderWay
+    waiting : int
+        Runs that have not begun.
+    processes : int
+    """
+    known = [*done, *(run.seconds + run.left for run in running if not math.isnan(run.left))]
+    if not known:
+        return math.nan
+    mean = sum(known) / len(known)
+    own = [max(mean - run.seconds, 0.0) if math.isnan(run.left) else run.left for run in running]
+    return max([(mean * waiting + sum(own)) / processes, *own])
 
 
 def _refuse_changed(case: SweepCase, records: dict[int, RunRecord], out: Path, overwrite: bool) -> None:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .check_printing import escaped
 from .kinds import kind_of_result
+from .run_progress import duration, time_left
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -20,10 +21,16 @@ if TYPE_CHECKING:
     from .laboratory.workers import Overview
     from .run_progress import RunUpdate
 
+TOLD_EVERY = 60.0
+"""Seconds between two lines on one stage where there is no terminal."""
+TOLD_FROM = 5.0
+"""Seconds of compiling from which on a line is printed where there is no terminal."""
+
 
 @contextmanager
 def progress_line(console: Console) -> Iterator[Callable[[Any], None]]:
     """A live line; plain lines, one a trial or a test, where there is no terminal."""
+    from ._jit import told_of_compiling
     from .plotting.wording import closing
 
     live = console.status("starting") if console.is_terminal else None
@@ -47,7 +54,7 @@ def progress_line(console: Console) -> Iterator[Callable[[Any], None]]:
             if stage != shown["stage"]:
                 console.print(stage)
             if progress is not None and progress.trials and (stage, progress.trials) != shown["trial"]:
-                console.print(f"  {closing(update.progress, update.seconds_left)}")
+                console.print(f"  {closing(update.progress, update.seconds_left, update.seconds_most)}")
                 shown["trial"] = (stage, progress.trials)
             shown["stage"] = stage
         elif progress is None:
@@ -56,21 +63,24 @@ def progress_line(console: Console) -> Iterator[Callable[[Any], None]]:
             shown["time"] = time.perf_counter()
             # two lines, so that nothing is cut off at 80 columns
             live.update(
-                f"{update.text}: {closing(progress, update.seconds_left)}\n"
+                f"{update.text}: {closing(progress, update.seconds_left, update.seconds_most)}\n"
                 f"  trying {progress.factor:.4g}: step {progress.steps:,}, "
                 f"unbalanced {progress.unbalanced_ratio:.0e}, moved {progress.displacement_settlements:.2f} settlements"
             )
 
-    if live is None:
+    def compiling(seconds: float) -> None:
+        # what takes no longer than a line is read needs none
+        if live is None and seconds >= TOLD_FROM:
+            console.print(f"compiling, about {duration(seconds)}")
+        elif live is not None:
+            live.update(f"{shown['stage']}\n  compiling, about {duration(seconds)}".lstrip())
+
+    with told_of_compiling(compiling), live or nullcontext():
         yield watch
-    else:
-        with live:
-            yield watch
 
 
 def _watch_tests(overview: Overview, live: Any, console: Console) -> None:
     from .plotting.laboratory_wording import overview_lines
-    from .plotting.wording import duration
 
     head, lines = overview_lines(overview)
     if not math.isnan(overview.seconds_left) and overview.finished < overview.total:
@@ -82,28 +92,25 @@ def _watch_tests(overview: Overview, live: Any, console: Console) -> None:
 
 
 def _watch_calibration(progress: Progress, live: Any, console: Console, shown: dict[str, Any]) -> None:
-    from .plotting.wording import duration
-
     line = progress.text
-    if progress.done < progress.tests and not math.isnan(progress.seconds_left):
-        # the fresh specimens that show the bonds come after that
-        line += f", at most about {duration(progress.seconds_left)} more"
+    left = time_left(progress.seconds_left, progress.seconds_most)
     if live is not None:
-        live.update(line)
+        live.update(f"{line}\n  {left}" if left else line)
     elif line != shown["stage"]:
-        console.print(line)
+        console.print(f"{line}, {left}" if left else line)
     shown["stage"] = line
 
 
 def _watch_run(update: RunUpdate, live: Any, console: Console, shown: dict[str, Any]) -> None:
-    from .plotting.wording import duration
-
     line = f"{update.stage}: {update.text}"
-    left = "" if math.isnan(update.seconds_left) else f"about {duration(update.seconds_left)} left"
+    left = time_left(update.seconds_left, update.seconds_most)
     if live is None:
         if line != shown["stage"]:
             console.print(escaped(f"{line}, {left}" if left else line))
-        shown["stage"] = line
+            shown.update(stage=line, time=time.perf_counter())
+        elif left and time.perf_counter() - shown["time"] > TOLD_EVERY:
+            console.print(escaped("  " + ", ".join(text for text in (update.detail, left) if text)))
+            shown["time"] = time.perf_counter()
     elif line != shown["stage"] or time.perf_counter() - shown["time"] > 0.1:
         shown.update(stage=line, time=time.perf_counter())
         more = ", ".join(text for text in (update.detail, left) if text)
@@ -112,8 +119,6 @@ def _watch_run(update: RunUpdate, live: Any, console: Console, shown: dict[str, 
 
 def tell(result: dict[str, Any], folder: Path, console: Console) -> None:
     """The answer of a run, in the words of its report, and where that is."""
-    from .plotting.wording import duration
-
     kind = kind_of_result(result)
     for bold, plain in kind.answer(result):
         console.print(f"[bold]{escaped(bold)}[/]{escaped(plain)}" if bold else escaped(plain))

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .io.history import write_history as write_lines
+from .io.history import HistoryWriter, continued_history
 from .io.vtkhdf import write_vtkhdf
 from .tunnelling.digging import Digging
 from .tunnelling.measure import yielded
@@ -25,10 +25,14 @@ COLUMNS = {
 }  # fmt: skip
 
 
-def write_history(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
-    """Every increment, one line an opening."""
-    lines = [(row["stage"], row["opening"], *(row[key] for key in COLUMNS.values())) for row in rows]
-    write_lines(path, ("stage [-]", "excavation [-]", *COLUMNS), lines)
+def history_line(row: Mapping[str, Any]) -> tuple[Any, ...]:
+    """A line of history.csv: an opening after an increment."""
+    return (row["stage"], row["opening"], *(row[key] for key in COLUMNS.values()))
+
+
+def write_history(path: Path, rows: Sequence[Mapping[str, Any]]) -> HistoryWriter:
+    """Every increment, one line an opening; may be gone on with."""
+    return continued_history(path, ("stage [-]", "excavation [-]", *COLUMNS), map(history_line, rows))
 
 
 def write_frame(folder: Path, number: int, digging: Digging) -> None:

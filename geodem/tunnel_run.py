@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -17,14 +18,16 @@ from .io.files import read_json
 from .io.run_folder import RunFolder
 from .plotting.tunnel_report import write_tunnel_report
 from .record import MethodRecord
-from .run_progress import RunUpdate
+from .run_progress import Pace, RunUpdate, Work, together
+from .stability.forecast import Planned
 from .stability.search import Search
 from .tunnel_building import build_tunnel, quick, unsuited_section
-from .tunnel_files import FRAMES, write_frame, write_history
+from .tunnel_files import FRAMES, history_line, write_frame, write_history
 from .tunnel_result import assemble
 from .tunnel_view import make_view
-from .tunnelling.collapse import make_search
+from .tunnelling.collapse import FIRST_STEP, make_search
 from .tunnelling.digging import Digging
+from .tunnelling.forecast import increments_of_plan, steps_left
 from .tunnelling.ground import TunnelGround
 from .tunnelling.plan import Plan
 from .tunnelling.progress import Progress
@@ -32,6 +35,9 @@ from .tunnelling.progress import Progress
 WRITTEN = (FRAMES, "figures/*.png")
 KEEP_SECONDS = 5.0
 """Wall time between two checkpoints within a stage."""
+
+CLOSING = 2.0
+"""Time of pictures and report, about [s]."""
 
 Watch = Callable[[RunUpdate], None]
 
@@ -62,6 +68,10 @@ class TunnelRun:
         self.digging: Digging | None = None
         self.reaction: Progress | None = None
         self.records: dict[str, MethodRecord] = {}
+        self._begun: dict[str, Digging] = {}  # "stages", "reaction"
+        self._searches: dict[str, Search] = {}
+        self._pace = Pace(compile_seconds, closing=CLOSING)
+        self._paced = False
 
     def work(self) -> None:
         """Everything that is computed.
@@ -84,6 +94,37 @@ class TunnelRun:
             return {}
         return assemble(self.case, self.digging, self.reaction, self.records)
 
+    def _left(self) -> Work:
+        """Steps times particles, of all parts."""
+        particles = self.ground.model.particles
+        done = left = 0.0
+        increments = sum(increments_of_plan(self.plan, self.case.increments))
+        whole = steps_left([], increments, particles)
+        for name in ("stages", "reaction") if self.case.ground_reaction else ("stages",):
+            digging = self._begun.get(name)
+            if digging is None:
+                left += whole
+                continue
+            now = digging.progress
+            done += now.steps
+            ended = now.collapse is not None or now.stage >= len(digging.plan.stages)
+            rest = 0.0 if ended else steps_left(now.taken, increments, particles)
+            left += rest
+            # without supports it takes about as long
+            whole = now.steps + rest
+        later = [kind for kind in self.case.methods if kind not in {*self._searches, *self.records}]
+        searches = [search.work() for search in self._searches.values()]
+        searches += [Planned(particles, self.case.tolerance, FIRST_STEP).work() for _ in later]
+        return together([Work(done * particles, left * particles), *searches])
+
+    def _tell(self, stage: str, text: str, detail: str) -> None:
+        work = self._left()
+        if not self._paced:
+            # what was kept of a run before says nothing of the pace of this one
+            self._paced = True
+            self._pace.begin(work.done)
+        self.watch(RunUpdate(stage, text, detail, *self._pace.left(work), work))
+
     def _dig(self, name: str, plan: Plan, words: str) -> Digging:
         kept = self.run.part(name)
         progress = None if kept is None else Progress.from_tree(kept)
@@ -95,12 +136,10 @@ class TunnelRun:
             now = digging.progress
             row = now.rows[-1]
             stage = plan.stages[min(now.stage, stages - 1)]
-            self.watch(
-                RunUpdate(
-                    name,
-                    f"{words}: {stage.name} ({now.stage + 1} of {stages})",
-                    f"{100.0 * row['relaxed']:.0f} % relaxed, mean convergence {1e3 * row['mean']:.4g} mm",
-                )
+            self._tell(
+                name,
+                f"{words}: {stage.name} ({now.stage + 1} of {stages})",
+                f"{100.0 * row['relaxed']:.0f} % relaxed, mean convergence {1e3 * row['mean']:.4g} mm",
             )
             asked = self.stop_asked()
             if asked or time.perf_counter() - saved > KEEP_SECONDS:
@@ -112,13 +151,19 @@ class TunnelRun:
         digging = Digging(
             self.ground, plan, increments=self.case.increments, progress=progress, on_increment=on_increment
         )
-        if name == "stages":
-            self.digging = digging
-        while digging.progress.stage < stages and digging.progress.collapse is None:
-            digging.run_stage()
-            self.run.keep(name, digging.progress.to_tree())
+        self._begun[name] = digging
+        with ExitStack() as stack:
             if name == "stages":
-                self.run.keep(f"stage-{digging.progress.stage}", digging.progress.to_tree())
+                self.digging = digging
+                history = stack.enter_context(
+                    write_history(self.run.path / "history.csv", digging.progress.rows)
+                )
+                digging.on_row = lambda row: history.write(*history_line(row))
+            while digging.progress.stage < stages and digging.progress.collapse is None:
+                digging.run_stage()
+                self.run.keep(name, digging.progress.to_tree())
+                if name == "stages":
+                    self.run.keep(f"stage-{digging.progress.stage}", digging.progress.to_tree())
         return digging
 
     def _factor(self, kind: str) -> None:
@@ -130,18 +175,16 @@ class TunnelRun:
             return
         search = make_search(self.digging, kind, tolerance=self.case.tolerance)
         search.trials, search.stable, search.failed = record.fine, record.stable, record.failed
+        self._searches[kind] = search
         known = len(record.fine)
 
         def on_batch(search: Search) -> None:
             nonlocal known
             now = search.progress()
-            self.watch(
-                RunUpdate(
-                    "search",
-                    f"{kind} on {now.trials} trials so far" if now.trials else kind,
-                    f"factor {now.factor:.4g}, {now.steps} steps",
-                    now.seconds_left,
-                )
+            self._tell(
+                "search",
+                f"{kind} on {now.trials} trials so far" if now.trials else kind,
+                f"factor {now.factor:.4g}, {now.steps} steps",
             )
             if len(search.trials) > known:
                 known = len(search.trials)
@@ -157,7 +200,7 @@ class TunnelRun:
     def draw(self, result: dict[str, Any]) -> None:
         """History, frames, pictures and report of what was computed."""
         assert self.digging is not None
-        write_history(self.run.path / "history.csv", self.digging.progress.rows)
+        write_history(self.run.path / "history.csv", self.digging.progress.rows).close()
         for number in range(1, self.digging.progress.stage + 1):
             kept = self.run.part(f"stage-{number}")
             if kept is not None:

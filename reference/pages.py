@@ -24,6 +24,7 @@ from reference.pages_frontier import PICTURE as FRONTIER_PICTURE
 from reference.pages_frontier import frontier_part, write_frontier_picture
 from reference.pages_gallery import write_gallery
 from reference.pages_laboratory import laboratory_sections
+from reference.pages_long import long_sections
 from reference.pages_particles import particle_sections
 from reference.pages_stability import ORDER, stability_sections, write_order_picture
 from reference.pages_stability import PICTURE as ORDER_PICTURE
@@ -175,6 +176,7 @@ def verification_page(
         parts += [_header(ground), _ground(ground.rows)]
     parts += particle_sections(particles, _header, NOT_RUN)
     parts += stability_sections(particles, _header, NOT_RUN)
+    parts += long_sections(particles, _header, NOT_RUN)
     parts += body_sections(particles, _header, NOT_RUN)
     parts += laboratory_sections(particles, _header, NOT_RUN)
     parts += compared_sections(particles, _header, NOT_RUN, compared)

@@ -6,8 +6,11 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
+
+from geodem.run_progress import Work
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -70,6 +73,25 @@ def geodem(*arguments: object, **options: Any) -> subprocess.CompletedProcess[st
     return subprocess.run(
         command, capture_output=True, text=True, env=environment(), timeout=120, check=False, **options
     )
+
+
+def works_of(updates: Iterable[Any]) -> list[Work]:
+    """What a run told of its work."""
+    return [update.work for update in updates if getattr(update, "work", None) is not None]
+
+
+def forecast_error(works: Sequence[Work], *, after: float = 0.1) -> float:
+    """Largest error of the work that was told to be left, over all the work, once a share of it is done; no clock."""
+    whole = max(work.done for work in works)
+    late = [work for work in works if work.done > after * whole]
+    assert len(late) > 3
+    return max(abs(work.done + work.left - whole) for work in late) / whole
+
+
+def history_begun(part: Path, whole: Path) -> bool:
+    """Whether a run that was broken off has left lines of its history, and they are the first of the whole one's."""
+    kept = (part / "history.csv").read_bytes()
+    return kept.count(b"\n") > 1 and (whole / "history.csv").read_bytes().startswith(kept)
 
 
 def result_of(folder: Path) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import shutil
 
 import numpy as np
@@ -13,7 +14,7 @@ from geodem.breaking_run import redraw_breaking, resume_breaking, run_breaking
 from geodem.case.breaking_reading import parse_breaking
 from geodem.errors import StoppedError
 from geodem.io.history import HistoryWriter
-from tests.small_cases import geodem
+from tests.small_cases import forecast_error, geodem, history_begun, works_of
 
 # a beam that hangs out 8 m breaks at its root: 6 M/h2 = 1.6 MPa at 1 g, were it a slender one
 CASE = """\
@@ -75,9 +76,23 @@ def case(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def done(case, tmp_path_factory):
+def told():
+    """What the whole run tells."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def done(case, told, tmp_path_factory):
     out = tmp_path_factory.mktemp("run") / "out"
-    return out, run_breaking(case, out, threads=1)
+    return out, run_breaking(case, out, threads=1, watch=told.append)
+
+
+def test_the_work_left_is_told(done, told):
+    """This beam comes to rest more slowly than other ground, which is known once it has."""
+    works = works_of(told)
+    assert forecast_error(works, after=0.15) < 0.2
+    whole = works[-1].done
+    assert all(work.done + work.most >= whole for work in works if not math.isnan(work.most))
 
 
 def test_the_folder_holds_everything(done):
@@ -150,6 +165,7 @@ def test_a_run_that_is_stopped_again_and_again_ends_with_the_same_bits(case, don
         except StoppedError:
             stops += 1
             assert json.loads((out / "result.json").read_text())["status"] == "stopped"
+            assert history_begun(out, done[0])
             assert stops < 50
     assert stops > 1
     assert found["digest"] == whole["digest"]

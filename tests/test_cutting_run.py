@@ -15,13 +15,24 @@ from geodem.cutting_run import redraw_cutting, run_cutting
 from geodem.errors import InputError, StoppedError
 from geodem.kinds import KINDS
 from tests.cutting_cases import small_case, small_text
+from tests.small_cases import forecast_error, history_begun, works_of
 
 
 @pytest.fixture(scope="module")
-def finished(tmp_path_factory):
+def told():
+    """What the whole run tells."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def finished(told, tmp_path_factory):
     folder = tmp_path_factory.mktemp("run")
     case = small_case(folder)
-    return case, folder / "out", run_cutting(case, folder / "out")
+    return case, folder / "out", run_cutting(case, folder / "out", watch=told.append)
+
+
+def test_the_work_left_is_told_within_a_twentieth_of_all(finished, told):
+    assert forecast_error(works_of(told)) < 0.05
 
 
 def test_the_folder_holds_what_a_run_leaves(finished):
@@ -66,6 +77,7 @@ def test_a_stopped_run_goes_on_to_the_same_bits(finished, tmp_path):
         run_cutting(case, tmp_path / "out", stop_asked=lambda: next(asked))
     stored = json.loads((tmp_path / "out" / "result.json").read_text())
     assert stored["status"] == "stopped"
+    assert history_begun(tmp_path / "out", out)
     kind = KINDS["cutting"]
     text = (tmp_path / "out" / "case.toml").read_text()
     resumed = kind.resume(tmp_path / "out", kind.parse(text, tmp_path / "out"))

@@ -107,6 +107,25 @@ def test_only_what_python_calls_is_kept_in_the_cache(cache, tmp_path):
     assert whole.pull(1.0) == 3.0
 
 
+def test_what_is_compiled_is_told_of_once_and_what_is_in_the_cache_not_at_all(cache, tmp_path):
+    path = tmp_path / "law.py"
+    write(path, 7.0)
+    law = load(path)
+    told = []
+    with _jit.told_of_compiling(told.append):
+        kernel = _jit.compile_kernel([law.pull, law.drive], {"WAVES": False}, parallel=False)
+        assert kernel.drive(1.0) == 70.0
+        kernel.pull(1.0)
+    lines = Path(kernel.__file__).read_text().count("\n")
+    assert told == [_jit.COMPILE_SECONDS + _jit.COMPILE_SECONDS_PER_LINE * lines]
+    write(path, 9.0)
+    assert run(path).split() == ["90.0", "0", "1"]  # by another process, into the cache
+    law = load(path)
+    with _jit.told_of_compiling(told.append):
+        assert _jit.compile_kernel([law.pull, law.drive], {"WAVES": False}, parallel=False).drive(1.0) == 90.0
+    assert len(told) == 1
+
+
 def test_the_collector_works_again_after_a_compilation(cache, tmp_path):
     path = tmp_path / "law.py"
     write(path, 8.0)

@@ -18,8 +18,8 @@ from geodem.case import load_any
 from geodem.errors import InputError, StoppedError
 from geodem.io.history import read_history
 from geodem.laboratory import orders as orders_module
-from geodem.laboratory.orders import TestOrder, find_test
-from geodem.laboratory.workers import Overview, Workers, _Pace
+from geodem.laboratory.orders import TestOrder, Told, find_test
+from geodem.laboratory.workers import Forecast, Overview, Workers
 from geodem.laboratory_run import orders_of, quick, redraw_laboratory, resume_laboratory, run_laboratory
 from tests.laboratory_cases import LABORATORY, TENSION, write_case
 from tests.small_cases import result_of
@@ -273,12 +273,19 @@ def test_a_process_that_was_ended_is_told(place):
 
 def test_time_left_is_that_of_the_longest_line(place):
     first = orders(place)[0]
-    pace = _Pace()
-    pace.learn(first, 10.0)
-    assert pace.left([], [first] * 3, 2) == pytest.approx(20.0)
-    assert pace.left([(first, 4.0)], [first] * 2, 2) == pytest.approx(16.0)
-    assert pace.left([(first, 50.0)], [], 1) == pytest.approx(10.0), "overdue by its own slowness"
-    assert pace.left([], [], 2) == 0.0
+    forecast = Forecast()
+    assert math.isnan(forecast.left([(first, 4.0, Told())], [], 1)), (
+        "nothing has ended, nothing is well under way"
+    )
+    # a quarter of the first took 4 s, a second of which went into compiling
+    under_way = (first, 4.0, Told(share=0.25, compiled=1.0))
+    assert forecast.left([under_way], [first], 1) == pytest.approx(9.0 + 12.0)
+    forecast.learn(first, 10.0)
+    assert forecast.left([], [first] * 3, 2) == pytest.approx(20.0)
+    assert forecast.left([(first, 4.0, Told())], [first] * 2, 2) == pytest.approx(16.0)
+    assert forecast.left([under_way], [first] * 2, 2) == pytest.approx(17.5)
+    assert forecast.left([(first, 50.0, Told(share=1.3))], [], 1) == pytest.approx(0.5), "overdue"
+    assert forecast.left([], [], 2) == 0.0
 
 
 def test_curves_of_a_run_are_numbers(out):

@@ -20,7 +20,16 @@ from geodem.io.checkpoint import read_checkpoint, write_checkpoint
 from geodem.io.history import read_history
 from geodem.result import assemble
 from geodem.workflow import run_case
-from tests.small_cases import SLOPE, STAGES, environment, geodem, result_of, write_case
+from tests.small_cases import (
+    SLOPE,
+    STAGES,
+    environment,
+    forecast_error,
+    geodem,
+    result_of,
+    works_of,
+    write_case,
+)
 
 
 @pytest.fixture(scope="module")
@@ -40,13 +49,20 @@ def whole(case, tmp_path_factory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def stages(case) -> list[str]:
+def told() -> list[Update]:
+    """What a run without a stop tells."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def stages(case, told) -> list[str]:
     """What a run without a stop is doing, batch by batch."""
     seen: list[str] = []
     now = ""
 
     def watch(update: Update) -> None:
         nonlocal now
+        told.append(update)
         if update.progress is None:
             now = update.text
         else:
@@ -57,6 +73,10 @@ def stages(case) -> list[str]:
     analysis.build()
     analysis.search()
     return seen
+
+
+def test_the_work_left_is_told_within_a_fifth_of_all(stages, told):
+    assert forecast_error(works_of(told)) < 0.2
 
 
 def after(batches: int) -> Any:

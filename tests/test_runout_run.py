@@ -14,7 +14,7 @@ from geodem.case.runout import parse_runout
 from geodem.errors import InputError, StoppedError
 from geodem.io.history import HistoryWriter
 from geodem.runout_run import redraw_runout, resume_runout, run_runout
-from tests.small_cases import geodem
+from tests.small_cases import forecast_error, geodem, history_begun, works_of
 
 TEXT = """
 workflow = "runout"
@@ -46,9 +46,19 @@ residual_friction_angle = "16 deg"
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory):
+def told():
+    """What the whole run tells."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def whole(told, tmp_path_factory):
     folder = tmp_path_factory.mktemp("whole") / "out"
-    return folder, run_runout(parse_runout(TEXT, folder.parent), folder)
+    return folder, run_runout(parse_runout(TEXT, folder.parent), folder, watch=told.append)
+
+
+def test_the_work_left_is_told_within_a_fifth_of_all(whole, told):
+    assert forecast_error(works_of(update for update in told if update.stage == "flow")) < 0.2
 
 
 def test_the_hand_over_keeps_what_it_must(whole):
@@ -106,6 +116,7 @@ def test_a_stopped_run_ends_with_the_same_bits(whole, tmp_path):
     with pytest.raises(StoppedError):
         run_runout(case, folder, watch=seen.append, stop_asked=stop_in_flow)
     assert json.loads((folder / "result.json").read_text())["status"] == "stopped"
+    assert history_begun(folder, whole[0])
     again = parse_runout((folder / "case.toml").read_text(), folder)
     result = resume_runout(folder, again)
     assert result["digest"] == whole[1]["digest"]

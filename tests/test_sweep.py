@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import json
+import math
 import re
 import shutil
 import signal
@@ -20,9 +21,9 @@ from geodem import resume_case, run_case
 from geodem.case.sweep_reading import load_sweep
 from geodem.errors import InputError
 from geodem.plotting.sweep_report import make_charts
-from geodem.sweep_hands import Ended, do_runs
+from geodem.sweep_hands import Ended, UnderWay, do_runs
 from geodem.sweep_record import carry_out, find_record
-from geodem.sweep_run import share_of, shares
+from geodem.sweep_run import seconds_left, share_of, shares
 from tests.ground_files import GROUND, ground_case
 from tests.small_cases import SLOPE, environment, geodem, result_of
 
@@ -344,3 +345,12 @@ def test_axes_are_logarithmic_where_values_span_decades():
     assert wide.axes[0].get_xlabel() == "material.rock.strength [MPa]"
     assert set(make_charts(chart([1.0, 2.0]))) == {"chart-1"}
     assert make_charts(chart([1.0])) == {}
+
+
+def test_the_time_left_of_a_sweep_is_told_by_runs_done_and_under_way():
+    assert math.isnan(seconds_left([], [UnderWay(5.0, math.nan)], 3, 2)), "nobody has told anything"
+    # one is done in 10 s, one tells 4 s after 8 s: 11 s in the mean; three wait
+    assert seconds_left([10.0], [UnderWay(8.0, 4.0)], 3, 1) == pytest.approx(3 * 11.0 + 4.0)
+    # one that tells nothing takes as long as the mean
+    assert seconds_left([10.0], [UnderWay(4.0, math.nan)], 0, 2) == pytest.approx(6.0)
+    assert seconds_left([10.0], [], 0, 2) == 0.0

@@ -13,6 +13,7 @@ from geodem.errors import InputError, StoppedError
 from geodem.tunnel_files import COLUMNS, write_history
 from geodem.tunnel_run import redraw_tunnel, resume_tunnel, run_tunnel
 from tests.case.test_tunnel_case import HERE, changed
+from tests.small_cases import forecast_error, history_begun, works_of
 
 STABILITY = 'stability = {methods = ["strength-reduction"], tolerance = 0.05}\n'
 
@@ -23,9 +24,25 @@ def case():
 
 
 @pytest.fixture(scope="module")
-def finished(case, tmp_path_factory) -> tuple[Path, dict]:
+def told():
+    """What the whole run tells."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def finished(case, told, tmp_path_factory) -> tuple[Path, dict]:
     folder = tmp_path_factory.mktemp("tunnel") / "out"
-    return folder, run_tunnel(case, folder, threads=1)
+    return folder, run_tunnel(case, folder, threads=1, watch=told.append)
+
+
+def test_no_more_work_comes_than_is_told_at_most(finished, told):
+    works = works_of(told)
+    whole = works[-1].done
+    # four increments twice, and all looks of the trials
+    assert len(works) > 8 + 100
+    assert all(work.done + work.most >= whole for work in works)
+    # how many trials a search takes is not known before; near its end it is
+    assert forecast_error(works, after=0.8) < 0.1
 
 
 def test_the_folder_holds_what_every_run_leaves(finished):
@@ -71,6 +88,7 @@ def test_stopped_anywhere_and_resumed_gives_the_same_bits(case, finished, tmp_pa
                 case, folder, threads=1, stop_asked=lambda asked=asked, after=after: next(asked) >= after
             )
         assert json.loads((folder / "result.json").read_text())["status"] == "stopped"
+        assert history_begun(folder, finished[0])
         again = resume_tunnel(folder, parse_tunnel((folder / "case.toml").read_text(), folder), threads=1)
         assert again["digest"] == finished[1]["digest"], after
         assert again["status"] == "done"

@@ -27,6 +27,8 @@ BATCH = 100
 """Steps between two looks."""
 RAMP_STEPS = 20
 """Steps between two changes of what is changed gradually."""
+UNBALANCED = 6
+"""Place of the unbalanced force ratio in a line of the history, see `Site.columns`."""
 
 
 @dataclass(eq=False)
@@ -148,18 +150,19 @@ class Site:
             done = min(steps, BATCH)
             self.simulation.run(done)
             steps -= done
-            self.record()
+            watcher.recorded(self.record(), done)
 
     def ramp(self, change: Callable[[float], None], steps: int, watcher: Watcher) -> None:
         """Steps during which `change` is called with shares growing to 1."""
-        parts = max(1, round(steps / RAMP_STEPS))
+        parts, recorded = max(1, round(steps / RAMP_STEPS)), 0
         for k in range(parts):
             if watcher.stop_asked():
                 raise StoppedError("stopped")
             change((k + 1) / parts)
             self.simulation.run(RAMP_STEPS)
             if (k + 1) % (BATCH // RAMP_STEPS) == 0 or k + 1 == parts:
-                self.record()
+                watcher.recorded(self.record(), (k + 1 - recorded) * RAMP_STEPS)
+                recorded = k + 1
 
     # ------------------------------------------------------------------ what is read
 
@@ -207,8 +210,8 @@ class Site:
             *(f"energy account, {term} [J{deep}]" for term in ParticleEnergy._fields),
         )  # fmt: skip
 
-    def record(self) -> None:
-        """A line of the history."""
+    def record(self) -> tuple[float, ...]:
+        """One more line of the history."""
         s = self.simulation
         mode = s.record[: len(s.assembly.bonds), 0]
         gone = [cracks.mode for cracks in self.gone]
@@ -223,6 +226,7 @@ class Site:
                 *(float(term) for term in energy),
             )
         )  # fmt: skip
+        return self.history[-1]
 
     def take_over(self, other: Site) -> None:
         """Become another site."""

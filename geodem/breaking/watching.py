@@ -17,6 +17,9 @@ class Watcher(Protocol):
     def stop_asked(self) -> bool:
         """Whether it is to stop."""
 
+    def recorded(self, row: tuple[float, ...], steps: int) -> None:
+        """Is given a line of the history, see `Site.columns`, and the steps since the one before."""
+
     def frame(self, site: Site) -> None:
         """A frame is due."""
 
@@ -33,6 +36,9 @@ class Silent:
     def stop_asked(self) -> bool:
         """Never."""
         return False
+
+    def recorded(self, row: tuple[float, ...], steps: int) -> None:
+        """Nothing."""
 
     def frame(self, site: Site) -> None:
         """Nothing."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib.resources import files
@@ -56,8 +56,10 @@ class Progress:
         The present one from 1, and the most there can be.
     done, tests : int
         Specimens of all rounds so far, and the most there can be.
-    seconds, seconds_left : float
-        nan while it is not known.
+    seconds : float
+        So far.
+    seconds_left, seconds_most : float
+        If the next round that may be the last one is, and if none is before the last; nan while no specimen is done.
     text : str
     """
 
@@ -67,6 +69,7 @@ class Progress:
     tests: int
     seconds: float
     seconds_left: float
+    seconds_most: float
     text: str
 
 
@@ -207,6 +210,7 @@ def calibrate(
     done: dict[str, Outcome] | None = None,
     watch: Callable[[Progress], None] | None = None,
     stop_asked: Callable[[], bool] | None = None,
+    after: float = 0.0,
 ) -> Calibration:
     """Find bonds for a rock.
 
@@ -227,6 +231,8 @@ def calibrate(
     done : dict, optional
         Outcomes of an interrupted calibration; new ones are added.
     watch, stop_asked : callables, optional
+    after : float
+        What follows, over the work of a specimen: for the time left that is told.
 
     Raises
     ------
@@ -260,14 +266,18 @@ def calibrate(
         first = SEEDS_APART * seed + (number - 1) * specimens
         trials = [Trial(material, options, first + k, expected, sides) for k in range(specimens)]
 
-        def finished(_: int, outcome: Outcome, number: int = number) -> None:
-            spent.append(float(outcome["seconds"]))
+        def tell(running: Sequence[float] = (), number: int = number) -> None:
             if watch is not None:
-                watch(_progress(number, rounds, specimens, len(spent), spent, workers, begun))
+                watch(_progress(number, rounds, specimens, spent, running, workers, after, begun))
 
-        if watch is not None:
-            watch(_progress(number, rounds, specimens, len(spent), spent, workers, begun))
-        outcomes = run_trials(trials, workers=workers, done=known, finished=finished, stop_asked=stop_asked)
+        def finished(_: int, outcome: Outcome, tell: Callable[[], None] = tell) -> None:
+            spent.append(float(outcome["seconds"]))
+            tell()
+
+        tell()
+        outcomes = run_trials(
+            trials, workers=workers, done=known, finished=finished, stop_asked=stop_asked, waiting=tell
+        )
         tested.append(Round(fit, material, tuple(outcomes)))
         surrogate = surrogate.corrected([_measured(each) for each in tested])
         fit = invert(surrogate, targets)
@@ -281,12 +291,27 @@ def calibrate(
 
 
 def _progress(
-    number: int, rounds: int, specimens: int, done: int, spent: list[float], workers: int, begun: float
+    number: int,
+    rounds: int,
+    specimens: int,
+    spent: Sequence[float],
+    running: Sequence[float],
+    workers: int,
+    after: float,
+    begun: float,
 ) -> Progress:
-    most = rounds * specimens
-    left = (most - done) * sum(spent) / len(spent) / workers if spent else math.nan
+    """Where a calibration is; of specimens that are under way: for how long [s]."""
+    most, done = rounds * specimens, len(spent)
+    mean = sum(spent) / done if spent else math.nan
+    gone = sum(min(seconds, mean) for seconds in running)
+
+    def left(last: int) -> float:
+        return (max((last * specimens - done + after) * mean - gone, 0.0)) / workers
+
     text = f"round {number} of at most {rounds}, {done} of at most {most} specimens tested"
-    return Progress(number, rounds, done, most, time.perf_counter() - begun, left, text)
+    # the second round is the first that may be the last
+    soonest = left(min(max(number, 2), rounds))
+    return Progress(number, rounds, done, most, time.perf_counter() - begun, soonest, left(rounds), text)
 
 
 def _measured(tested: Round) -> Measured:

@@ -120,6 +120,7 @@ def run_trials(
     done: dict[str, Outcome],
     finished: Callable[[int, Outcome], None] | None = None,
     stop_asked: Callable[[], bool] | None = None,
+    waiting: Callable[[list[float]], None] | None = None,
 ) -> list[Outcome]:
     """Run trials side by side; outcomes in the order of the trials, the same whatever the number of workers.
 
@@ -133,22 +134,26 @@ def run_trials(
     finished : callable, optional
         Is told the number of a trial and its outcome as soon as it is there.
     stop_asked : callable, optional
+    waiting : callable, optional
+        Is told now and then for how long each trial has been under way [s].
 
     Raises
     ------
     StoppedError
         `stop_asked` said so; what had finished is in `done`.
     """
-    waiting = [k for k, trial in enumerate(trials) if trial.key not in done]
+    left = [k for k, trial in enumerate(trials) if trial.key not in done]
     with Processes(workers) as processes:
         for what, number, outcome in processes.events(
-            [Task(run_trial, (trials[k],)) for k in waiting], stop_asked
+            [Task(run_trial, (trials[k],)) for k in left], stop_asked
         ):
             if what == "done":
-                k = waiting[number]
+                k = left[number]
                 done[trials[k].key] = outcome
                 if finished is not None:
                     finished(k, outcome)
+            elif waiting is not None:
+                waiting([running.seconds for running in processes.running()])
     return [done[trial.key] for trial in trials]
 
 

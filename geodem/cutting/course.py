@@ -15,6 +15,7 @@ from ..io.checkpoint import Tree
 from ..measure.fragments import Fragments, find_fragments
 from ..particle_simulation import ParticleSimulation
 from ..particle_state import state_tree
+from ..run_progress import Work
 from .plan import CuttingPlan, Placed
 from .tool import NAME, PARTS
 from .tool_forces import ToolForces
@@ -115,14 +116,19 @@ class Course:
         ahead = self.plan.distance + self.placed.ramp
         return math.ceil(ahead / (self.plan.speed * self.simulation.time_step))
 
+    def work(self) -> Work:
+        """Steps so far and still to come."""
+        done = self.simulation.time / self.simulation.time_step
+        return Work(done, max(self.expected_steps - done, 0.0))
+
     def speed(self) -> float:
         """That the tool shall have now [m/s]: a smooth rise over twice the time that full speed needs for the ramp."""
         ramp = self.placed.ramp
         share = min(self.simulation.time * self.plan.speed / (2.0 * ramp), 1.0) if ramp > 0.0 else 1.0
         return self.plan.speed * max(share * share * (3.0 - 2.0 * share), SLOWEST)
 
-    def advance(self, *, progress: Callable[[float], None] | None = None) -> None:
-        """Go on to the next frame; `progress` is told the way now and then."""
+    def advance(self, *, looked: Callable[[tuple[float, ...]], None] | None = None) -> None:
+        """Go on to the next frame; `looked` is given what every look sees, see `COLUMNS`."""
         target = len(self.frames) * self.plan.distance / self.plan.frames
         s = self.simulation
         while self.way < target:
@@ -130,8 +136,8 @@ class Course:
             s.walls.set_velocity(NAME, np.array([speed, 0.0]))
             s.run(self.every)
             self.rows.append(self._look(speed))
-            if progress is not None and len(self.rows) % 50 == 0:
-                progress(self.way)
+            if looked is not None:
+                looked(self.rows[-1])
         self.frames.append(self.frame())
 
     def _look(self, speed: float) -> tuple[float, ...]:

@@ -123,6 +123,20 @@ def write_history(path: Path | str, columns: Sequence[str], records: Iterable[Se
     write_whole(path, "".join(lines))
 
 
+def continued_history(
+    path: Path | str, columns: Sequence[str], records: Iterable[Sequence[object]]
+) -> HistoryWriter:
+    """A history that holds what a run has kept, to be gone on with line by line.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written; what stood there is untouched.
+    """
+    write_history(path, columns, records)
+    return HistoryWriter(path, columns, append=True)
+
+
 def cut_history(path: Path | str, last: float) -> float:
     """Drop the records whose first value is above `last`; returns that of the last one kept, -inf where there is none.
 

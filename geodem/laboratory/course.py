@@ -79,7 +79,7 @@ class Course:
             force = self.look()
             way = self.rows[-1][1]
             if watch is not None:
-                watch(way, self.per_force * force)
+                watch(way, self.per_force * force, (len(self.rows) - 1) / paces.LOOKS)
             fallen = fallen or (self.top > 0.0 and force < fall * self.top)
             if fallen and way >= beyond:
                 return True, f"the load has fallen to {force / self.top:.0%} of its peak"

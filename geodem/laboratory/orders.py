@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,6 +32,10 @@ TEST = CheckpointFormat(
     "Give a file of the folder 'tests' that 'geodem lab' wrote",
     "Take it away: the test is then made again",
 )
+
+
+BEFORE = 0.1
+"""Making the specimen, its elastic state and the pilot take as long as this share of the steps to the peak."""
 
 
 @dataclass(frozen=True)
@@ -179,10 +184,40 @@ def carry_out(order: TestOrder, watch: Watch | None = None) -> FinishedTest:
     return FinishedTest(order, record, specimen.radii, specimen.size, compile_seconds() - before)
 
 
-def perform(order: TestOrder, say: Callable[[tuple[float, float]], None]) -> FinishedTest:
-    """`carry_out` for a process of its own: strain and stress are told together, and errors name the test."""
+class Told(NamedTuple):
+    """Where a test is that is under way.
+
+    Attributes
+    ----------
+    strain, stress : float
+        [-], [Pa]; nan until it has begun.
+    share : float
+        Of its steps that are done, if its peak is where it is expected; may grow beyond 1.
+    compiled : float
+        Seconds of its time that went into compiling.
+    compiling : float
+        Seconds that the kernel takes that is being compiled now, about; nan where none is.
+    """
+
+    strain: float = math.nan
+    stress: float = math.nan
+    share: float = math.nan
+    compiled: float = 0.0
+    compiling: float = math.nan
+
+
+def perform(order: TestOrder, say: Callable[[Told], None]) -> FinishedTest:
+    """`carry_out` for a process of its own: what is told is told together, and errors name the test."""
+    from .._jit import compile_seconds, told_of_compiling
+
+    before, length = compile_seconds(), KINDS[order.kind].length
+
+    def watch(strain: float, stress: float, way: float) -> None:
+        say(Told(strain, stress, (BEFORE + way) / (BEFORE + length), compile_seconds() - before))
+
     try:
-        return carry_out(order, lambda strain, stress: say((strain, stress)))
+        with told_of_compiling(lambda seconds: say(Told(compiling=seconds))):
+            return carry_out(order, watch)
     except InputError as error:
         raise InputError(
             f"{order.name}, {error.place}", error.problem, error.remedy, value=error.value

@@ -25,6 +25,7 @@ from ..particle_simulation import ParticleSimulation
 from ..particle_statics import displace
 from .confinement import Confinement, joined_to_most
 from .material import BondedMaterial
+from .pace import LOOKS
 from .record import Cracks
 from .specimen import Specimen
 from .start import go_to_first_break
@@ -301,8 +302,8 @@ def even_density(radii: Floats, dimension: int) -> Floats:
     return np.asarray(factor * volume.sum() / (factor * volume).sum())
 
 
-Watch = Callable[[float, float], None]
-"""Is told the strain and the stress now and then."""
+Watch = Callable[[float, float, float], None]
+"""Is told the strain, the stress, and the steps over those to the expected peak, now and then."""
 
 
 class Motion:
@@ -364,7 +365,7 @@ class Motion:
             stress = self.look()
             strain = self.rows[-1][1]
             if watch is not None:
-                watch(strain, stress)
+                watch(strain, stress, (len(self.rows) - 1) / LOOKS)
             if self.top > floor and stress - floor < fall * (self.top - floor):
                 return True, f"the load has fallen to {stress / self.top:.0%} of its peak"
             if strain > longest:

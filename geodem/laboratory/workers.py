@@ -14,11 +14,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 
-from .orders import FinishedTest, TestOrder, find_test, perform, write_test
+from .orders import FinishedTest, TestOrder, Told, find_test, perform, write_test
 from .processes import Processes, Task
 
-OVERDUE = 0.2
-"""Share of its time so far that a test is said to need still when it should have ended already."""
+OVERDUE = 0.05
+"""Share of its time that a test is said to need still when it should have ended already."""
+
+SURE = 0.1
+"""Share of a test from which on it tells how long it takes."""
 
 
 @dataclass(frozen=True)
@@ -31,16 +34,16 @@ class Overview:
         Orders.
     last : FinishedTest or None
         The one that has just ended; None where nothing has.
-    running : tuple of (TestOrder, strain, stress)
-        What is carried out now and where it is; strain and stress [Pa] are nan until the test has begun.
+    running : tuple of (TestOrder, Told)
+        What is carried out now and where it is.
     seconds_left : float
-        nan until one order has been carried out.
+        nan until the first test is well under way.
     """
 
     finished: int
     total: int
     last: FinishedTest | None
-    running: tuple[tuple[TestOrder, float, float], ...]
+    running: tuple[tuple[TestOrder, Told], ...]
     seconds_left: float
 
 
@@ -78,7 +81,7 @@ class Workers:
         self.folder = folder
         self.watch = watch
         self.stop_asked = stop_asked
-        self._pace = _Pace()
+        self._pace = Forecast()
 
     def __enter__(self) -> Workers:
         return self
@@ -132,39 +135,58 @@ class Workers:
         running = [each for each in self.processes.running() if open_[each.task] not in done]
         begun |= {each.task for each in running}
         waiting = [orders[k] for number, k in enumerate(open_) if number not in begun]
-        under_way = tuple((orders[open_[each.task]], *(each.told or NOWHERE)) for each in running)
-        left = self._pace.left(
-            [(orders[open_[each.task]], each.seconds) for each in running], waiting, self.processes.count
-        )
+        told = [(orders[open_[each.task]], each.seconds, each.told or Told()) for each in running]
+        left = self._pace.left(told, waiting, self.processes.count)
+        under_way = tuple((order, now) for order, _, now in told)
         self.watch(Overview(len(done), len(orders), last, under_way, left))
 
 
-NOWHERE = (math.nan, math.nan)
-"""Strain and stress of a test that has not told them."""
-
-
-class _Pace:
-    """How long orders take: by what those of the same kind took, else by all."""
+class Forecast:
+    """How long orders take: by what those of the same kind took, else by all, and by how far those under way are."""
 
     def __init__(self) -> None:
         self.took: dict[str, list[float]] = {}  # kind -> seconds per cost
 
     def learn(self, order: TestOrder, seconds: float) -> None:
+        """An order has been carried out in so many seconds, compiling left out."""
         self.took.setdefault(order.kind, []).append(seconds / order.cost())
 
-    def expected(self, order: TestOrder) -> float:
-        known = self.took.get(order.kind) or [value for values in self.took.values() for value in values]
-        return order.cost() * sum(known) / len(known)
-
     def left(
-        self, running: Sequence[tuple[TestOrder, float]], waiting: Sequence[TestOrder], count: int
+        self, running: Sequence[tuple[TestOrder, float, Told]], waiting: Sequence[TestOrder], count: int
     ) -> float:
-        """Seconds until all have ended, each given to the first who is free [s]; nan where nothing is known."""
-        if not self.took:
-            return math.nan if running or waiting else 0.0
-        ends = [max(self.expected(order) - since, OVERDUE * since) for order, since in running]
+        """Seconds until all have ended, each given to the first who is free [s]; nan where nothing is known.
+
+        Parameters
+        ----------
+        running : sequence of (order, seconds since it began, what it told)
+        waiting : sequence of orders
+        count : int
+            At a time.
+        """
+        if not (running or waiting):
+            return 0.0
+        known = dict(self.took)
+        for order, since, told in running:
+            if order.kind not in self.took and told.share > SURE:
+                each = (since - told.compiled) / min(told.share, 1.0) / order.cost()
+                known.setdefault(order.kind, []).append(each)
+        if not known:
+            return math.nan
+        ends = [self._rest(order, since, told, known) for order, since, told in running]
         ends += [0.0] * (count - len(ends))
         heapq.heapify(ends)
         for order in waiting:
-            heapq.heapreplace(ends, ends[0] + self.expected(order))
+            heapq.heapreplace(ends, ends[0] + _expected(order, known))
         return max(ends)
+
+    def _rest(self, order: TestOrder, since: float, told: Told, known: dict[str, list[float]]) -> float:
+        """Of one that is under way [s]."""
+        whole = _expected(order, known)
+        if math.isnan(told.share):
+            return max(whole - since, OVERDUE * whole)
+        return max(1.0 - told.share, OVERDUE) * whole
+
+
+def _expected(order: TestOrder, known: dict[str, list[float]]) -> float:
+    took = known.get(order.kind) or [value for values in known.values() for value in values]
+    return order.cost() * sum(took) / len(took)

@@ -8,6 +8,7 @@ from typing import Any
 
 from geodem.laboratory.orders import TestOrder
 from geodem.laboratory.workers import Overview
+from geodem.run_progress import duration
 from geodem.units import show
 
 
@@ -63,12 +64,13 @@ def overview_lines(overview: Overview) -> tuple[str, list[str]]:
     """How far the tests are, and what is carried out now."""
     head = f"{overview.finished} of {overview.total} tests finished"
     lines = []
-    for order, strain, stress in overview.running:
-        where = (
-            "beginning"
-            if math.isnan(strain)
-            else f"strain {100.0 * strain:.3f} %, {rounded(stress, 'stress')}"
-        )
+    for order, now in overview.running:
+        if not math.isnan(now.compiling):
+            where = f"compiling, about {duration(now.compiling)}"
+        elif math.isnan(now.strain):
+            where = "beginning"
+        else:
+            where = f"strain {100.0 * now.strain:.3f} %, {rounded(now.stress, 'stress')}"
         lines.append(f"{named(order)}: {where}")
     return head, lines
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from math import floor, isfinite, log10
+from math import floor, isfinite, log10, nan
 from typing import Any
+
+from geodem.run_progress import time_left
 
 NAMES = {"strength-reduction": "strength reduction", "gravity-increase": "gravity increase"}
 QUANTITY = {"strength-reduction": "Factor of safety", "gravity-increase": "Gravity factor"}
@@ -164,7 +166,7 @@ def seconds(value: object) -> str:
     return f"{minutes} min {rest} s" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
 
 
-def closing(progress: Any, seconds_left: float) -> str:
+def closing(progress: Any, seconds_left: float, seconds_most: float = nan) -> str:
     """How far the bracket of a search has closed (`geodem.stability.search.Progress`), and the time left."""
     stable, failed = progress.bracket.stable, progress.bracket.failed
     if stable is not None and failed is not None:
@@ -177,17 +179,8 @@ def closing(progress: Any, seconds_left: float) -> str:
     if count == 0:
         return "the first trial"
     trials = "1 trial" if count == 1 else f"{count} trials"
-    left = f", about {duration(seconds_left)} left" if isfinite(seconds_left) else ""
-    return f"{where} after {trials}{left}"
-
-
-def duration(time: float) -> str:
-    """Seconds [s] as they are told while one waits: 1 s, 40 s, 2.5 min."""
-    if time < 1.0:
-        return "1 s"
-    if time < 90.0:
-        return f"{time:.0f} s"
-    return f"{time / 60.0:.1f} min"
+    left = time_left(seconds_left, seconds_most)
+    return f"{where} after {trials}, {left}" if left else f"{where} after {trials}"
 
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -12,11 +13,12 @@ from numpy.typing import NDArray
 
 from .._jit import compile_seconds
 from ..measure.energy import EnergyAccount
+from ..run_progress import Work
 from ..simulation import Simulation
 from ..state import State
 from .bracket import Bracket, Trial, bracket, next_factor
 from .criteria import Criteria
-from .forecast import pace, work_left
+from .forecast import pace, trial_left, work_left
 from .methods import Method
 
 Floats = NDArray[np.float64]
@@ -186,17 +188,22 @@ class Search:
             displacement_settlements=displacement / self.method.settlement(self.simulation, factor),
             bracket=now,
             trials=len(self.trials),
-            seconds_left=self._seconds_left(),
+            seconds_left=self.work().left * self.pace(),
         )
 
-    def _seconds_left(self) -> float:
-        """Of this search, by the pace so far and what trials so near to the critical factor take."""
+    def work(self) -> Work:
+        """Steps times particles of this search: done, and left by what trials so near to the critical factor take."""
         steps = self.history[-1][0] if self.history else 0
         particles = self.simulation.model.particles
+        seen = math.nan
+        if self.current is not None:
+            settlement = self.method.settlement(self.simulation, self.current)
+            seen = trial_left(self.history, settlement, self.criteria.max_steps(particles), self.criteria)
         left = work_left(
-            self.trials, steps, particles, tolerance=self.tolerance, step=self.step, running=self.current is not None
+            self.trials, steps, particles, tolerance=self.tolerance, step=self.step,
+            running=self.current is not None, seen=seen,
         )  # fmt: skip
-        return left * self.pace()
+        return left._replace(done=sum(t.steps * t.particles for t in self.trials) + float(steps * particles))
 
     def pace(self, before: Sequence[Trial] = ()) -> float:
         """Seconds of a step of a particle, by this search and the trials of those before it."""

@@ -7,7 +7,6 @@ on the way bears what comes after it.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -19,6 +18,7 @@ from ..integrators.direct_solve import solve_elastic
 from ..model import make_links
 from ..simulation import ElasticState, Simulation
 from ..stability.criteria import Criteria
+from .forecast import PRESSURE_WAY, increments_of
 from .ground import Standing, TunnelGround, internal_forces, standing
 from .initial import InitialState, initial_state, loaded
 from .measure import mean_pressure, wall_length, wall_normals
@@ -77,6 +77,7 @@ class Digging:
         self.plan = plan
         self.increments = increments
         self.on_increment = on_increment or (lambda digging: None)
+        self.on_row: Callable[[dict[str, Any]], None] = lambda row: None  # is given every new row
         self.built: list[Built] = []
         model = ground.model
         stress = np.concatenate([self.initial.stress, np.zeros((model.stress_points, 1))], axis=1)
@@ -264,7 +265,7 @@ class Digging:
         now = self.progress
         scene = self.scene()
         begun = self._begun(stage, targets, pressures)
-        count = max(1, math.ceil(self.increments * begun["way"] - 1e-9))
+        count = increments_of(begun["way"], self.increments)
         while now.increment < count:
             at = (now.increment + 1) / count
             self._set(begun, targets, pressures, at)
@@ -295,7 +296,7 @@ class Digging:
                 before[number] = before[number] if entry.pressure is None else entry.pressure
         way = max(abs(targets[k] - shares[k]) for k in targets)
         if any(pressures[k] != before[k] for k in pressures):
-            way = max(way, 0.5)
+            way = max(way, PRESSURE_WAY)
         return {"shares": shares, "pressures": before, "way": way}
 
     def _set(
@@ -386,6 +387,7 @@ class Digging:
                 self.progress.rows.append(
                     {**self._place(stage, number), **read_row(self, scene.standing, number, wall), **ended}
                 )
+                self.on_row(self.progress.rows[-1])
 
     def _place(self, stage: Stage, number: int) -> dict[str, Any]:
         return {

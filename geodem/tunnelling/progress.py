@@ -56,6 +56,12 @@ class Progress:
     collapse: Collapse | None = None
     steps: int = 0
 
+    @property
+    def taken(self) -> list[int]:
+        """Steps of every increment so far."""
+        rows = [row for row in self.rows if row["opening"] == self.rows[0]["opening"]]
+        return [int(row["steps"]) for row in rows if row["steps"] > 0]
+
     def to_tree(self) -> dict[str, Any]:
         """As a checkpoint tree."""
         return {

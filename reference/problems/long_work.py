@@ -1,235 +1,176 @@
-"""Long work: the time left that is told, memory that stays as it is, results that are written as they come.
+"""Long work: the time left that is told while a run of every kind goes on.
 
-The error of a time left is taken over the time of the whole run, and looked at after its first tenth.
+The error of a time left is taken over the time of the whole run, and looked at after its first tenth. Kernels were
+compiled before, so that a small run is not a run of the compiler. What is asked of memory and of results on the way is
+in `long_memory`.
 """
 
 from __future__ import annotations
 
 import math
-import signal
-import subprocess
-import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-import numpy as np
-
-from geodem.case import load_case
-from geodem.io.history import read_history
 from geodem.particle_recorder import Recorder
-from geodem.simulation import Simulation
+from geodem.run_progress import RunUpdate, Work
 from geodem.workflow import run_case
 
 from . import interruptions_scenes as scenes
 from .fuzzing_judge import ROOT
 from .interruptions_particles import falling_block
-from .rows import Row, at_most
+from .rows import Row
 
-STEPS = 100_000
-GROWTH = 10.0
-"""Largest growth of resident memory over so many steps [MB]."""
+STEPS = 400_000
+"""Of the recorded run."""
 ERROR = 0.2
 """Largest error of the time left over the time of the whole run, after its first tenth."""
 FINE = 6000
 """Particles of the slope whose time left is looked at: three models, a minute or so."""
 
-Told = list[tuple[float, float]]
-"""Time since the beginning, and time left that was told then [s]."""
+
+class Telling(NamedTuple):
+    """What a run told at a moment.
+
+    Attributes
+    ----------
+    at : float
+        Since its beginning [s].
+    left, most : float
+        Time left as expected, and at most where it may be more [s].
+    work : Work or None
+        What the times are made of.
+    """
+
+    at: float
+    left: float
+    most: float
+    work: Work | None
 
 
 def run() -> Sequence[Row]:
-    """Times left, memory, histories of killed runs."""
-    return [
-        *slope_time(),
-        *laboratory_time(),
-        *recorder_time(),
-        *memory_of_particles(),
-        *memory_of_slope(),
-        *histories(),
-    ]
-
-
-def worst(told: Told, whole: float) -> float:
-    """Largest error of what was told after the first tenth, over the whole time."""
-    errors = [abs(at + left - whole) / whole for at, left in told if at > 0.1 * whole and math.isfinite(left)]
-    return max(errors, default=math.inf)
-
-
-def at_tenth(told: Told, whole: float) -> float:
-    """Error of the first time left that was told after the first tenth, over the whole time."""
-    return next((at + left - whole) / whole for at, left in told if at > 0.1 * whole and math.isfinite(left))
-
-
-def _time_rows(name: str, told: Told, whole: float) -> list[Row]:
-    source = f"{len(told)} times told in {whole:.1f} s"
-    first, last = at_tenth(told, whole), worst(told, whole)
-    return [
-        Row(name, "time left after a tenth: error over all", first, 0.0, first, ERROR, whole, source),
-        Row(name, "largest error after that, over all", last, 0.0, last, ERROR, whole, source),
-    ]
-
-
-def _told(case: str, field: Callable[[Any], float], **options: Any) -> tuple[Told, float]:
-    """Times left that a case's run tells, as the command line shows them."""
-    told: Told = []
-    with tempfile.TemporaryDirectory() as name:
-        (Path(name) / "case.toml").write_text(case)
-        begun = time.perf_counter()
-        run_case(
-            Path(name), Path(name) / "out", threads=1, **options,
-            watch=lambda update: told.append((time.perf_counter() - begun, field(update))),
-        )  # fmt: skip
-        return told, time.perf_counter() - begun
-
-
-def slope_time() -> list[Row]:
-    """The search for a slope's factor by both methods, through three models."""
-    case = scenes.SLOPE.replace("particles = 1650", f"particles = {FINE}").replace(
-        "tolerance = 0.05", "tolerance = 0.01"
-    )
-    told, whole = _told(case, lambda update: float(update.seconds_left))
-    return _time_rows("slope, time left", told, whole)
-
-
-def laboratory_time() -> list[Row]:
-    """Tests of particles through the command line's way: two kinds of them, four specimens each, one at a time."""
-    text = scenes.LABORATORY.replace("seeds = 6", "seeds = 4") + '\n[[test]]\nkind = "uniaxial-compression"\n'
-    told, whole = _told(text, lambda update: float(update.seconds_left))
-    return _time_rows("laboratory, time left", told, whole)
-
-
-def recorder_time() -> list[Row]:
-    """A recorded run of discs: the time that its bar shows."""
-    from rich.progress import Progress, Task
-
-    told: Told = []
-    begun = time.perf_counter()
-    update = Progress.update
-
-    def listen(self: Progress, task: Any, **fields: Any) -> None:
-        update(self, task, **fields)
-        own: Task = self.tasks[0]
-        if own.time_remaining is not None:
-            told.append((time.perf_counter() - begun, own.time_remaining))
-
-    with tempfile.TemporaryDirectory() as name, _replaced(Progress, "update", listen):
-        Recorder(falling_block(), name, show=True).run_to(4 * STEPS)
-    return _time_rows("recorded discs, time left", told, time.perf_counter() - begun)
-
-
-@contextmanager
-def _replaced(owner: type, name: str, value: object) -> Iterator[None]:
-    old = getattr(owner, name)
-    setattr(owner, name, value)
-    try:
-        yield
-    finally:
-        setattr(owner, name, old)
-
-
-def memory_of_particles() -> list[Row]:
-    """Recorded discs over so many steps."""
-    begun = time.perf_counter()
-    with tempfile.TemporaryDirectory() as name:
-        recorder = Recorder(falling_block(), name, checkpoint_seconds=0.5, show=False)
-        recorder.run_to(STEPS // 10)
-        before = resident()
-        recorder.run_to(STEPS // 10 + STEPS)
-        grown = resident() - before
-    seconds = time.perf_counter() - begun
-    return [
-        at_most(
-            "recorded discs",
-            f"memory grown over {STEPS} steps [MB]",
-            max(grown, 0.0),
-            GROWTH,
-            seconds,
-            "wanted",
-        )
-    ]
-
-
-def memory_of_slope() -> list[Row]:
-    """A slope at rest, looked at as a search does."""
-    from geodem.building import make_model, make_particles, make_section
-
-    begun = time.perf_counter()
-    with tempfile.TemporaryDirectory() as name:
-        (Path(name) / "case.toml").write_text(scenes.SLOPE)
-        case = load_case(name)
-    particles = make_particles(case, make_section(case), particles=500)
-    simulation = Simulation(make_model(case, particles))
-    simulation.begin(simulation.elastic.stress)
-    before = 0.0
-    looks = []
-    for batch in range(STEPS // 50 + 200):
-        looks.append(simulation.run(50))
-        if batch == 200:
-            before = resident()
-    grown = resident() - before
-    seconds = time.perf_counter() - begun
-    return [
-        at_most("slope", f"memory grown over {STEPS} steps [MB]", max(grown, 0.0), GROWTH, seconds, "wanted")
-    ]
-
-
-def resident() -> float:
-    """Resident memory of this process [MB]."""
-    lines = Path("/proc/self/status").read_text().splitlines()
-    return int(next(line.split()[1] for line in lines if line.startswith("VmRSS:"))) / 1024.0
-
-
-def histories() -> list[Row]:
-    """Lines that runs killed half-way leave in history.csv, each a beginning of the whole one."""
+    """A run of every kind, one after the other."""
     rows = []
-    for name in ("slope", "laboratory", "particles"):
-        begun = time.perf_counter()
-        with tempfile.TemporaryDirectory() as folder:
-            lines, whole, fits = _killed_history(scenes.SCENES[name], Path(folder))
-        seconds = time.perf_counter() - begun
-        source = f"the whole run has {whole}; killed after 0.7 of its time"
+    for name, tell in RUNS.items():
+        told, whole = tell()
+        rows += time_rows(name, told, whole)
+    return rows
+
+
+def time_rows(name: str, told: Sequence[Telling], whole: float) -> list[Row]:
+    """Errors of the first time left that was told after the first tenth, and of the worst one."""
+    after = [each for each in told if each.at > 0.1 * whole and math.isfinite(each.left)]
+    errors = [(each.at + each.left - whole) / whole for each in after]
+    first = errors[0] if errors else math.inf
+    last = max(errors, key=abs, default=math.inf)
+    source = f"told {len(after)} times in {whole:.1f} s"
+    rows = [
+        Row(name, "first time left that was told: error over all", first, 0.0, first, ERROR, whole, source),
+        Row(name, "the worst one: error over all", last, 0.0, last, ERROR, whole, source),
+    ]
+    works = [each.work for each in told if each.work is not None]
+    if works:
+        error = worst_of_work(works)
+        note = "no clock in it: steps, or steps times particles"
+        rows.append(Row(name, "the worst work left: error over all", error, 0.0, error, ERROR, whole, note))
+    bounded = [each for each in after if math.isfinite(each.most)]
+    if bounded:
+        above = sum(each.at + each.most < 0.95 * whole for each in bounded)
+        note = f"of {len(bounded)} that told a most as well"
         rows.append(
-            Row(
-                name,
-                "lines of a killed run's history, none",
-                lines,
-                1.0,
-                float(lines < 1),
-                0.0,
-                seconds,
-                source,
-            )
-        )
-        rows.append(
-            Row(name, "lines that the whole run has not", 1.0 - fits, 0.0, 1.0 - fits, 0.0, seconds, "wanted")
+            Row(name, "times that took longer than the most told", above, 0.0, above, 0.0, whole, note)
         )
     return rows
 
 
-def _killed_history(scene: scenes.Scene, folder: Path) -> tuple[int, int, float]:
-    """Lines of a killed run and of the whole one, and the share of the first that stand in the second."""
-    scene.prepare(folder)
-    command = [sys.executable, "-m", *scene.command(folder, folder / "whole")]
+def worst_of_work(told: Sequence[Work]) -> float:
+    """Largest error of the work told to be left, over all of it, once a tenth is done."""
+    whole = max(work.done for work in told)
+    errors = [(work.done + work.left - whole) / whole for work in told if work.done > 0.1 * whole]
+    return max(errors, key=abs, default=math.inf)
+
+
+Told = tuple[list[Telling], float]
+
+
+def _told(
+    case: str, *, quickly: bool = False, threads: int = 1, beside: Mapping[str, str] | None = None
+) -> Told:
+    """What a case's run tells, as the command line shows it, and how long it took [s]."""
+    told: list[Telling] = []
+    with tempfile.TemporaryDirectory() as name:
+        for file, text in {"case.toml": case, **(beside or {})}.items():
+            (Path(name) / file).write_text(text)
+        begun = time.perf_counter()
+
+        def watch(update: Any) -> None:
+            fields = (getattr(update, field, math.nan) for field in ("seconds_left", "seconds_most"))
+            told.append(
+                Telling(time.perf_counter() - begun, *map(float, fields), getattr(update, "work", None))
+            )
+
+        run_case(Path(name), Path(name) / "out", threads=threads, quickly=quickly, watch=watch)
+        return told, time.perf_counter() - begun
+
+
+def slope() -> Told:
+    """The search for a slope's factor by both methods, through three models."""
+    text = scenes.SLOPE.replace("particles = 1650", f"particles = {FINE}")
+    return _told(text.replace("tolerance = 0.05", "tolerance = 0.01"))
+
+
+def laboratory() -> Told:
+    """Two kinds of tests, four specimens each, one at a time."""
+    text = scenes.LABORATORY.replace("seeds = 6", "seeds = 4").replace("across = 10", "across = 20")
+    return _told(text + '\n[[test]]\nkind = "uniaxial-compression"\n')
+
+
+def recorded() -> Told:
+    """A recorded run of discs."""
+    told: list[Telling] = []
     begun = time.perf_counter()
-    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
-    whole = time.perf_counter() - begun
-    command = [sys.executable, "-m", *scene.command(folder, folder / "killed")]
-    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as running:
-        time.sleep(0.7 * whole)
-        running.send_signal(signal.SIGKILL)
-    path = folder / "killed" / "history.csv"
-    if not path.is_file():
-        return 0, 0, 1.0
-    kept, held = (read_history(place / "history.csv") for place in (path.parent, folder / "whole"))
-    # wall times differ
-    names = [name for name in kept if name != "time [s]" or "test [-]" not in kept]
-    first, second = (
-        list(zip(*(table[name].tolist() for name in names), strict=True)) for table in (kept, held)
-    )
-    there = set(map(repr, second))
-    fits = float(np.mean([repr(line) in there for line in first])) if first else 1.0
-    return len(first), len(second), fits
+
+    def watch(update: RunUpdate) -> None:
+        told.append(
+            Telling(time.perf_counter() - begun, update.seconds_left, update.seconds_most, update.work)
+        )
+
+    with tempfile.TemporaryDirectory() as name:
+        Recorder(falling_block(), name, show=False, watch=watch).run_to(STEPS)
+    return told, time.perf_counter() - begun
+
+
+def template(kind: str, **changes: str) -> Told:
+    """The case that `geodem new` makes, in its quick form."""
+    text = (ROOT / "geodem" / "templates" / kind / "case.toml").read_text()
+    return _told(text, quickly=True)
+
+
+def sweep() -> Told:
+    """Six small slopes, two at a time."""
+    case = """\
+workflow = "sweep"
+title = "Cohesion of a small slope"
+case = "slope.toml"
+processes = 2
+
+[vary]
+"material.soil.cohesion" = {from = "8 kPa", to = "18 kPa", count = 6}
+"""
+    return _told(case, threads=2, beside={"slope.toml": scenes.SLOPE})
+
+
+RUNS: dict[str, Callable[[], Told]] = {
+    "slope, both methods, three models": slope,
+    "laboratory, eight tests": laboratory,
+    "recorded discs": recorded,
+    "breaking ground, four stages": lambda: template("breaking"),
+    "cutting": lambda: template("cutting"),
+    "tunnel, three stages and a factor": lambda: template("tunnel"),
+    "run-out": lambda: template("runout"),
+    "sweep, six runs": sweep,
+    "calibration": lambda: template("calibration"),
+}
+"""Small runs of every kind that takes long."""
