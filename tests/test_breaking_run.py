@@ -88,9 +88,10 @@ def done(case, told, tmp_path_factory):
 
 
 def test_the_work_left_is_told(done, told):
-    """This beam comes to rest more slowly than other ground, which is known once it has."""
+    """A beam that hangs out comes to rest far more slowly than other ground; that is breaking/test_forecast's."""
     works = works_of(told)
-    assert forecast_error(works, after=0.15) < 0.2
+    assert forecast_error(works) < 0.3
+    assert forecast_error(works, after=0.5) < 0.2
     whole = works[-1].done
     assert all(work.done + work.most >= whole for work in works if not math.isnan(work.most))
 

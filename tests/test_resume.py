@@ -75,8 +75,12 @@ def stages(case, told) -> list[str]:
     return seen
 
 
-def test_the_work_left_is_told_within_a_fifth_of_all(stages, told):
-    assert forecast_error(works_of(told)) < 0.2
+def test_the_work_left_is_told(stages, told):
+    """A few trials of a small model take a large part of all its steps, and nobody knows which: a third at worst."""
+    works = works_of(told)
+    assert forecast_error(works) < 0.34
+    assert forecast_error(works, after=0.5) < 0.2
+    assert all(work.done + work.most >= works[-1].done for work in works)
 
 
 def after(batches: int) -> Any:

@@ -28,6 +28,9 @@ _FAILS, _HOLDS, _RESTS = 165.0, 250.0, 15.0
 _FAR = 0.2
 """Distance of the trials that look for the other side of the bracket."""
 
+_TRUSTED = 750.0
+"""Steps at which what a trial says itself counts as much as what is expected of any."""
+
 FEWEST = 10
 """Looks from which on a trial says itself how long it still takes."""
 
@@ -170,7 +173,10 @@ def work_left(
     most = count * _limit(particles)
     if running:
         left = mean_steps(far, particles, current_steps) - current_steps
-        left = left if isnan(seen) else min(left, seen)
+        if not isnan(seen):
+            # the unbalanced force falls fast at first: what early looks say counts little
+            share = current_steps / (current_steps + _TRUSTED)
+            left = share * min(left, seen) + (1.0 - share) * left
         steps += left - mean_steps(far, particles)
         most -= current_steps
     expected = particles * max(steps, 0.0)
