@@ -106,10 +106,10 @@ def _told(
         begun = time.perf_counter()
 
         def watch(update: Any) -> None:
-            fields = (getattr(update, field, math.nan) for field in ("seconds_left", "seconds_most"))
-            told.append(
-                Telling(time.perf_counter() - begun, *map(float, fields), getattr(update, "work", None))
+            left, most = (
+                float(getattr(update, field, math.nan)) for field in ("seconds_left", "seconds_most")
             )
+            told.append(Telling(time.perf_counter() - begun, left, most, getattr(update, "work", None)))
 
         run_case(Path(name), Path(name) / "out", threads=threads, quickly=quickly, watch=watch)
         return told, time.perf_counter() - begun
