@@ -215,7 +215,8 @@ class Site:
         s = self.simulation
         mode = s.record[: len(s.assembly.bonds), 0]
         gone = [cracks.mode for cracks in self.gone]
-        modes = [int((mode == k).sum()) + sum(int((m == k).sum()) for m in gone) for k in (1, 2)]
+        # numbers as they come back from what is kept, so that a line is the same whenever it is written
+        modes = [float((mode == k).sum()) + sum(float((m == k).sum()) for m in gone) for k in (1, 2)]
         energy = s.energy() if s.features.energy else [math.nan] * len(ParticleEnergy._fields)
         self.history.append(
             (

@@ -308,9 +308,9 @@ def test_nothing_was_run(tmp_path):
     stale.write_bytes(b"of an earlier run")
     write_pages(tmp_path / "no results", docs)
     text = (docs / "verification.md").read_text()
-    # slopes, ground, stability, interruptions, order, and the groups
+    # slopes, ground, stability, interruptions, order, long work and memory, and the groups
     groups = (GROUPS, BODIES, LABORATORY, COMPARED)
-    assert text.count("This has not been run yet") == 5 + sum(map(len, groups))
+    assert text.count("This has not been run yet") == 7 + sum(map(len, groups))
     assert "`python -m reference bench slopes`" in text
     assert "error_against_time" not in (docs / "performance.md").read_text()
     assert not stale.exists()
