@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TypeVar
@@ -15,9 +16,11 @@ from .breaking.scene import BondedScene, start
 from .case.cutting import CuttingCase
 from .case.cutting_reading import at_key
 from .cutting.course import Course
+from .cutting.pace import Pace
 from .cutting.plan import FASTEST, SHALLOW, CuttingPlan, Placed, let_go, place_tool
 from .errors import InputError, InputErrors
 from .ground_building import GroundBody
+from .laboratory.material import BondedMaterial
 from .particle_simulation import ParticleSimulation
 from .particle_statics import find_equilibrium
 from .scene_building import make_filling, quick_particles, scene_of
@@ -30,6 +33,9 @@ SETTLED = 1e-3
 
 QUICK_PARTICLES = 900
 """Of a cut for a first look."""
+
+STRESSES = ("rock", "parallel_bond", "flat_joint")
+"""Laws of bonds whose shear strength is a stress."""
 
 WAVE = 3.0
 """Speed of compression waves over mean diameter and critical time step, about: that is the step's of the stiffest
@@ -71,6 +77,14 @@ class Cut:
         """Share of the ground's area that its particles fill [-]."""
         return self.scene.filling.solid_fraction
 
+    @property
+    def strength(self) -> float:
+        """Smallest shear strength of bonds [Pa], at about which a chip breaks; nan where a law has no such stress."""
+        known = [material.bond.get("shear_strength", math.nan) if isinstance(material, BondedMaterial)
+                 and material.bond_law in STRESSES else math.nan
+                 for material in self.case.scene.materials.values()]  # fmt: skip
+        return min(known, default=math.nan)
+
     def begin(self) -> Course:
         """The cut at its beginning: at its initial stress where the case wants one, else loose ground at rest."""
         scene = replace(self.scene, assembly=self.assembly)
@@ -100,11 +114,17 @@ def make_cut(case: CuttingCase) -> Cut:
         raise InputError("source", "a cut is a section, 2D", "Give a section of the ground")
     box = np.asarray(body.bounds, dtype=np.float64)
     placed = _told(lambda: place_tool(case.plan, filling.positions, filling.radii, box))
-    scene = scene_of(case.scene, body, filling, walls=[case.plan.tool.wall(placed.place)])
+    scene = scene_of(case.scene, body, filling, walls=[case.plan.tool.wall(placed.place, _clean(case))])
     left = np.zeros(scene.assembly.particles, dtype=bool)
     left[scene.held.get("left", np.empty(0, dtype=np.int64))] = True
     assembly, freed = let_go(scene.assembly, placed, left)
     return Cut(case, made, scene, assembly, placed, freed, tuple(_warnings(case, scene, placed, freed)))
+
+
+def _clean(case: CuttingCase) -> dict[str, float]:
+    """Nothing sticks to the tool, whatever grains stick to each other with."""
+    contacts = [material.contact for material in case.scene.materials.values()]
+    return {key: 0.0 for key in ("adhesion", "adhesion_shear") if any(key in contact for contact in contacts)}
 
 
 def _told(make: Callable[[], Made]) -> Made:
@@ -141,15 +161,22 @@ def _warnings(case: CuttingCase, scene: BondedScene, placed: Placed, freed: int)
     return found
 
 
-def speed_warning(plan: CuttingPlan, placed: Placed, simulation: ParticleSimulation) -> list[str]:
+def pace_of(cut: Cut, simulation: ParticleSimulation) -> Pace:
+    """How fast the tool of a cut is for its ground."""
+    low, high = cut.scene.box
+    density = float(cut.assembly.mass.sum()) / float(np.prod(np.asarray(high) - np.asarray(low)))
+    wave = cut.placed.diameter / (WAVE * simulation.critical_time_step)
+    return Pace(cut.plan.speed, wave, density)
+
+
+def speed_warning(pace: Pace) -> list[str]:
     """Words where inertia decides."""
-    waves = placed.diameter / (WAVE * simulation.critical_time_step)
-    share = plan.speed / waves
+    share = pace.speed / pace.wave
     if share <= FASTEST:
         return []
     return [
-        f"The tool moves at {100.0 * share:.1f} % of the speed of compression waves ({waves:.4g} m/s): inertia adds to "
-        f"its forces. Below {100.0 * FASTEST:g} % it hardly does."
+        f"The tool moves at {100.0 * share:.1f} % of the speed of compression waves ({pace.wave:.4g} m/s): inertia "
+        f"adds to its forces. Below {100.0 * FASTEST:g} % it hardly does."
     ]
 
 

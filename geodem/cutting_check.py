@@ -18,7 +18,7 @@ BATCHES = 4
 
 def check_cutting(case: CuttingCase, picture: Path, console: Console) -> dict[str, Any]:
     """Ground and tool of a case, a few steps of its cut, and what the whole would take."""
-    from .cutting_building import make_cut, speed_warning
+    from .cutting_building import make_cut, pace_of, speed_warning
     from .io.files import write_whole
     from .plotting.cutting_pictures import start_picture
 
@@ -35,7 +35,8 @@ def check_cutting(case: CuttingCase, picture: Path, console: Console) -> dict[st
     steps = course.expected_steps
     per_step = min(batches)
     plan, placed = cut.plan, cut.placed
-    warnings = [*cut.warnings, *speed_warning(plan, placed, s)]
+    pace = pace_of(cut, s)
+    warnings = [*cut.warnings, *speed_warning(pace), *pace.doubts(cut.strength, plan.damping)]
     expected = steps * per_step + (time.perf_counter() - begun)
     console.print(f"[bold]{escaped(case.title)}[/]")
     for name, value in (

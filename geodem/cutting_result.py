@@ -8,11 +8,14 @@ from typing import Any
 
 from .cutting.course import COLUMNS, Course
 from .cutting.outcome import Force, Outcome, chip_facts
-from .cutting_building import Cut
+from .cutting_building import Cut, pace_of, speed_warning
 
 HISTORY = {
     "step": "step [-]", "time": "time [s]", "way": "way of the tool [m]", "speed": "speed [m/s]",
     "cutting": "cutting force [N/m]", "normal": "normal force [N/m]",
+    "pressed": "pressing on the face [N/m]", "slid": "pressing on the face where it is slid on [N/m]",
+    "cutting_slid": "cutting force where the face is slid on [N/m]",
+    "normal_slid": "normal force where the face is slid on [N/m]",
     "tension_cracks": "tension cracks [-]", "shear_cracks": "shear cracks [-]", "imbalance": "imbalance of energy [-]",
 }  # fmt: skip
 FORCES = {"cutting_": "cutting force on the", "normal_": "normal force on the"}
@@ -39,8 +42,11 @@ def force_entry(force: Force) -> dict[str, float]:
     }  # fmt: skip
 
 
-def assemble(cut: Cut, course: Course, found: Outcome, warnings: list[str]) -> dict[str, Any]:
+def assemble(cut: Cut, course: Course, found: Outcome) -> dict[str, Any]:
     """Content of result.json but for what every run adds."""
+    pace = pace_of(cut, course.simulation)
+    # ground without bonds yields: no peaks are hit off it
+    peak = found.peak_stress if len(course.assembly.bonds) else math.nan
     case, plan, tool, placed = cut.case, cut.plan, cut.plan.tool, cut.placed
     way = course.columns()["way"]
     low, high = cut.scene.box
@@ -71,8 +77,14 @@ def assemble(cut: Cut, course: Course, found: Outcome, warnings: list[str]) -> d
                 name: {"cutting": values[0], "normal": values[1]} for name, values in found.parts.items()
             },
             "normal_over_cutting_on_face": math.tan(angle) if math.isfinite(angle) else None,
-            "face_angle_rad": angle if math.isfinite(angle) else None,
+            "face_angle_rad": _told(angle),
             "expected_face_angle_rad": tool.friction_angle - tool.rake,
+            "sliding_share_of_face": _told(found.sliding_share),
+            "sliding_face_angle_rad": _told(found.sliding_angle),
+        },
+        "speed": {
+            "wave_stress_Pa": pace.stress, "peak_stress_Pa": _told(found.peak_stress),
+            "passages_of_a_wave_to_a_peak": _told(pace.passages(peak)),
         },
         "work_per_way_N_per_m": found.work,
         "specific_energy_Pa": found.specific_energy,
@@ -81,8 +93,12 @@ def assemble(cut: Cut, course: Course, found: Outcome, warnings: list[str]) -> d
         "energy": {f"{name}_J_per_m": value for name, value in found.energy.items()} | {"imbalance": found.imbalance},
         "notices": list(case.notices),
         "questions": list(case.questions),
-        "warnings": [*warnings, *_doubts(found)],
+        "warnings": [*cut.warnings, *speed_warning(pace), *pace.doubts(peak, plan.damping), *_doubts(found)],
     }  # fmt: skip
+
+
+def _told(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
 def _doubts(found: Outcome) -> list[str]:

@@ -12,7 +12,7 @@ from ._jit import compile_seconds, set_threads
 from .case.cutting import CuttingCase
 from .cutting.course import Course
 from .cutting.outcome import outcome
-from .cutting_building import Cut, make_cut, quick, speed_warning
+from .cutting_building import Cut, make_cut, quick
 from .cutting_result import assemble, history_names, history_row
 from .errors import InputError, StoppedError
 from .io.checkpoint import checksum
@@ -145,8 +145,7 @@ def _carry_out(cut: Cut, run: RunFolder, tell: Watch, stop_asked: Callable[[], b
 def _write(cut: Cut, course: Course, run: RunFolder) -> dict[str, Any]:
     """Everything that a run leaves; result.json last."""
     found = outcome(course, cut.solid_fraction)
-    warnings = [*cut.warnings, *speed_warning(cut.plan, cut.placed, course.simulation)]
-    result = run.whole(assemble(cut, course, found, warnings))
+    result = run.whole(assemble(cut, course, found))
     pictures = cutting_pictures(cut, course, found)
     write_cutting_report(run.path / "report.html", result, pictures, run.case_text)
     return run.finish(result)

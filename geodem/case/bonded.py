@@ -38,6 +38,10 @@ PER_CONTACT = {
         **_SPRINGS, "friction_coefficient": "dimensionless", "rolling_friction": "dimensionless",
         "twisting_friction": "dimensionless", **_DASHPOTS,
     },
+    "cohesive_frictional": {
+        **_SPRINGS, "friction_coefficient": "dimensionless", "adhesion": "force", "adhesion_shear": "force",
+        **_DASHPOTS,
+    },
 }  # fmt: skip
 """Parameters of laws whose numbers are those of one contact and go with the size of its grains; scenes alone take
 them, as in tables of DICE2D: per metre of depth in 2D."""

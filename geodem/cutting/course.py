@@ -36,10 +36,12 @@ ENERGIES = ("tool", "gravity", "kinetic", "elastic", "friction", "damping", "bro
 COLUMNS = (
     "step", "time", "way", "speed",
     *(f"cutting_{part}" for part in PARTS), *(f"normal_{part}" for part in PARTS),
-    "cutting", "normal", "tension_cracks", "shear_cracks", *ENERGIES, "imbalance",
+    "cutting", "normal", "pressed", "slid", "cutting_slid", "normal_slid",
+    "tension_cracks", "shear_cracks", *ENERGIES, "imbalance",
 )  # fmt: skip
 """Of a look: way [m] of the tool, speed [m/s], forces of the ground on the tool [N/m] against its motion and upwards by
-part and in total, cracks so far, energies [J/m], imbalance of their account [-]."""
+part and in total, normal force on the face and that of contacts that slide up it, the force of these against the motion
+and upwards, cracks so far, energies [J/m], imbalance of their account [-]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,12 +144,14 @@ class Course:
 
     def _look(self, speed: float) -> tuple[float, ...]:
         s = self.simulation
-        parts = self.forces.now()
+        felt = self.forces.now()
+        parts, sliding = felt.parts, felt.sliding
         total = s.wall_force(NAME)
         mode = s.record[: len(s.assembly.bonds), 0]
         e = s.energy()
         return (
             s.steps, s.time, self.way, speed, *(-parts[:, 0]), *parts[:, 1], -total[0], total[1],
+            felt.pressed, felt.slid, -sliding[0], sliding[1],
             int((mode == 1).sum()), int((mode == 2).sum()),
             e.walls, e.gravity, e.kinetic, e.elastic, e.friction, e.damping + e.viscous, e.broken, e.imbalance,
         )  # fmt: skip

@@ -85,6 +85,10 @@ class Outcome:
         In total.
     parts : dict of str to (float, float)
         Mean cutting and normal force of every part of the tool [N].
+    pressed, slid : float
+        Mean normal force on the face, and that of contacts that slide up it [N].
+    sliding : (float, float)
+        Mean cutting and normal force of those contacts [N].
     work : float
         Of the tool, after entry and per way [J/m = N]: the mean cutting force as the energy account has it.
     volume : float
@@ -98,6 +102,9 @@ class Outcome:
     cutting: Force
     normal: Force
     parts: Mapping[str, tuple[float, float]]
+    pressed: float
+    slid: float
+    sliding: tuple[float, float]
     work: float
     depth: float
     length: float
@@ -122,6 +129,22 @@ class Outcome:
         return math.atan2(normal, cutting)
 
     @property
+    def sliding_share(self) -> float:
+        """Share of the normal force on the face that slides up it [-]; nan where the face hardly feels any."""
+        return self.slid / self.pressed if math.isfinite(self.face_angle) else math.nan
+
+    @property
+    def sliding_angle(self) -> float:
+        """`face_angle` of what slides up the face alone [rad]; nan where nothing does."""
+        cutting, normal = self.sliding
+        return math.atan2(normal, cutting) if self.slid > 0.0 else math.nan
+
+    @property
+    def peak_stress(self) -> float:
+        """Mean of the peaks of the cutting force over the depth [Pa]."""
+        return self.cutting.peaks / self.depth
+
+    @property
     def chips(self) -> NDArray[np.bool_]:
         """Pieces (p,) cut off that are more than a single grain."""
         return np.asarray(self.cut & ~self.fragments.single)
@@ -139,13 +162,11 @@ def outcome(course: Course, solid_fraction: float) -> Outcome:
     fixed[np.unique(fragments.piece_of[held])] = True
     area = math.pi * course.assembly.radii**2 / solid_fraction
     after = way >= first
-    parts = {}
-    for part in PARTS:
-        means = [
-            over_way(way, c[f"{axis}_{part}"], first, placed.diameter, plan.depth).mean
-            for axis in ("cutting", "normal")
-        ]
-        parts[part] = (means[0], means[1])
+
+    def mean(name: str) -> float:
+        return over_way(way, c[name], first, placed.diameter, plan.depth).mean
+
+    parts = {part: (mean(f"cutting_{part}"), mean(f"normal_{part}")) for part in PARTS}
     work = math.nan
     if np.count_nonzero(after) > 1:
         w, e = way[after], c["tool"][after]
@@ -155,6 +176,9 @@ def outcome(course: Course, solid_fraction: float) -> Outcome:
         cutting=over_way(way, c["cutting"], first, placed.diameter, plan.depth),
         normal=over_way(way, c["normal"], first, placed.diameter, plan.depth),
         parts=parts,
+        pressed=mean("pressed"),
+        slid=mean("slid"),
+        sliding=(mean("cutting_slid"), mean("normal_slid")),
         work=work,
         depth=plan.depth,
         length=float(way[-1]) - (placed.contact - float(placed.place[0])),

@@ -37,8 +37,8 @@ RAMP = 2.0
 HEIGHT = 4.0
 """Height of the face over the depth, where nothing is said."""
 
-DAMPING = 0.5
-"""Cundall's local damping where nothing is said."""
+DAMPING = 0.3
+"""Cundall's local damping where nothing is said: with more, mean forces grow with the speed of the tool."""
 
 FRAMES = 20
 

@@ -1,18 +1,46 @@
-"""Forces on the parts of a tool: what its face feels apart from its tip and its wear flat."""
+"""Forces on the parts of a tool: what its face feels apart from its tip and its wear flat, and where it is slid on."""
 
 from __future__ import annotations
+
+import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..kernels.wall_geometry import BODY_VELOCITY
 from ..measure.contact_forces import law_forces
 from ..particle_simulation import ParticleSimulation
-from .tool import BODY, FLAT, NAME, PARTS, TIP, Tool
+from .tool import BODY, FACE, FLAT, NAME, PARTS, TIP, Tool
 
 Floats = NDArray[np.float64]
 
 INTERIOR = 0
 """Feature of a contact inside a side; others are at a corner."""
+
+SLIDES = 0.05
+"""Speed up the face over that of the tool from which a contact counts as sliding; what creeps winds its spring up."""
+
+
+class Felt(NamedTuple):
+    """What the tool feels in one step.
+
+    Attributes
+    ----------
+    parts : (parts, 2)
+        Forces of the particles on every part [N] (2D: N per m).
+    pressed : float
+        Sum of the normal forces on the face [N].
+    slid : float
+        Those of contacts that slide up it [N].
+    sliding : (2,)
+        Force of those contacts on the face [N].
+    """
+
+    parts: Floats
+    pressed: float
+    slid: float
+    sliding: Floats
 
 
 class ToolForces:
@@ -31,6 +59,7 @@ class ToolForces:
     def __init__(self, simulation: ParticleSimulation, tool: Tool) -> None:
         self.simulation = s = simulation
         self.body = s.walls.index(NAME)
+        self.up = np.array([-math.sin(tool.rake), math.cos(tool.rake)])
         _, parts = tool.outline()
         own = np.flatnonzero(s.walls.body == self.body)
         self.part = np.full(len(s.walls.body), BODY, dtype=np.int64)
@@ -47,14 +76,14 @@ class ToolForces:
         self.begins[own] = corner
         self.ends[own] = np.roll(corner, -1)
 
-    def now(self) -> Floats:
-        """Forces of the particles on every part in the last step, (parts, d) [N] (2D: N per m)."""
+    def now(self) -> Felt:
+        """What the tool felt in the last step."""
         s = self.simulation
         w = s.wall_pairs
         found = np.zeros((len(PARTS), 2))
         at = np.flatnonzero((s.walls.body[w.primitive] == self.body) & (w.touching > 0))
         if not len(at):
-            return found
+            return Felt(found, 0.0, 0.0, np.zeros(2))
         row = w.particle[at].astype(np.int64)
         radius = s.now[row, s.columns.radius]
         distance = w.geometry[at, 3]
@@ -66,12 +95,24 @@ class ToolForces:
         }  # fmt: skip
         rows = s.now[row, s.columns.material].astype(np.int64) * len(s.walls.bodies) + self.body
         force = law_forces(contact, 2, s.wall_parameters[rows], known)
+        # from the particle to the wall
         normal = w.geometry[at, :2]
         across = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
         # on the particle: away from the wall, and the shear force along t = (-ny, nx)
         on_wall = force[:, :1] * normal - force[:, 1:2] * across
-        np.add.at(found, self.parts_of(w.primitive[at].astype(np.int64), w.feature[at]), on_wall)
-        return found
+        part = self.parts_of(w.primitive[at].astype(np.int64), w.feature[at])
+        np.add.at(found, part, on_wall)
+        slides = (part == FACE) & (self._up_the_face(row, distance[:, np.newaxis] * normal) > SLIDES)
+        pressed, slid = (float(force[which, 0].sum()) for which in (part == FACE, slides))
+        return Felt(found, pressed, slid, on_wall[slides].sum(axis=0))
+
+    def _up_the_face(self, row: NDArray[np.int64], arm: Floats) -> Floats:
+        """Speed up the face (k,) of points of particles that touch it, over the tool's; `arm` (k, 2) to them [m]."""
+        s = self.simulation
+        turned = s.now[row, s.columns.spin] * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
+        tool = s.walls.bodies[self.body, BODY_VELOCITY : BODY_VELOCITY + 2]
+        seen = s.now[row, s.columns.velocity] + turned - tool
+        return np.asarray(seen @ self.up / max(float(np.linalg.norm(tool)), 1e-300))
 
     def parts_of(self, primitive: NDArray[np.int64], feature: NDArray[np.int8]) -> NDArray[np.int64]:
         """Part (k,) that contacts belong to, by side and where on it."""

@@ -75,7 +75,7 @@ def _figure(pictures: Mapping[str, bytes], name: str, result: Mapping[str, Any])
 
 
 def _answer(result: Mapping[str, Any], pictures: Mapping[str, bytes]) -> str:
-    header = ("per metre of width", "mean", "standard deviation", "peak", "mean of peaks")
+    header = ("per metre of width", "mean of peaks", "largest peak", "mean", "standard deviation")
     blocks = [
         f'<header id="answer">\n<p class="case-title">{text(result["title"])}</p>',
         f"<h1>{text(words.headline(result))}</h1>",

@@ -40,17 +40,19 @@ def degrees(value: float | None) -> str:
 
 
 def headline(result: Mapping[str, Any]) -> str:
-    """The mean cutting force and what it took to cut."""
-    cutting = result["forces"]["cutting_N_per_m"]["mean"]
-    return f"Cutting force {line_load(cutting)}, specific energy {stress(result['specific_energy_Pa'])}"
+    """The force at which chips break, the mean one and what it took to cut; ground without bonds has no chips."""
+    cutting = result["forces"]["cutting_N_per_m"]
+    peaks = f"Chips break at {line_load(cutting['mean_of_peaks'])}, mean c" if result["bonds"] else "C"
+    energy = stress(result["specific_energy_Pa"])
+    return f"{peaks}utting force {line_load(cutting['mean'])}, specific energy {energy}"
 
 
 def force_rows(result: Mapping[str, Any]) -> list[tuple[str, ...]]:
-    """Rows of the table of forces: name, mean, scatter, peak, mean of peaks."""
+    """Rows of the table of forces: name, mean of peaks, peak, mean, scatter."""
     rows = []
     for key, name in (("cutting_N_per_m", "cutting force"), ("normal_N_per_m", "normal force")):
         f = result["forces"][key]
-        values = (f["mean"], f["standard_deviation"], f["peak"], f["mean_of_peaks"])
+        values = (f["mean_of_peaks"], f["peak"], f["mean"], f["standard_deviation"])
         rows.append((name, *(line_load(value) for value in values)))
     return rows
 
@@ -69,9 +71,16 @@ def face_line(result: Mapping[str, Any]) -> str:
     f = result["forces"]
     if f["face_angle_rad"] is None:
         return "The face felt hardly any force after entry."
+    share = f["sliding_share_of_face"]
+    sliding = ""
+    if f["sliding_face_angle_rad"] is not None:
+        sliding = (
+            f" {100.0 * share:.0f} % of the pressure on the face slides up it, inclined by "
+            f"{degrees(f['sliding_face_angle_rad'])}; the rest sticks."
+        )
     return (
         f"The force on the face is inclined by {degrees(f['face_angle_rad'])} to the path; the friction angle less the "
-        f"rake is {degrees(f['expected_face_angle_rad'])}."
+        f"rake is {degrees(f['expected_face_angle_rad'])}.{sliding}"
     )
 
 
@@ -136,12 +145,11 @@ def tool_rows(result: Mapping[str, Any]) -> list[tuple[str, str]]:
 def answer(result: Mapping[str, Any]) -> list[tuple[str, str]]:
     """What a run ends with."""
     c = result["chips"]
-    peak = result["forces"]["cutting_N_per_m"]["mean_of_peaks"]
     chips = LOOSE
     if result["bonds"]:
         chips = f"{c['chips']:,} chips and {c['single_grains']:,} single grains; {crack_rows(result)[0][1]}."
     return [
-        (headline(result), f" per metre of width; mean of peaks {line_load(peak)}."),
+        (headline(result), ", forces per metre of width."),
         ("", face_line(result)),
         ("", chips),
     ]

@@ -5,11 +5,12 @@ import math
 import numpy as np
 import pytest
 
+from geodem.case.cutting_reading import parse_cutting
 from geodem.cutting.course import Course
 from geodem.cutting.outcome import outcome, over_way
 from geodem.cutting.tool import PARTS
 from geodem.cutting_building import make_cut
-from tests.cutting_cases import small_case, with_tool
+from tests.cutting_cases import small_case, small_text, with_tool
 
 
 @pytest.fixture(scope="module")
@@ -61,6 +62,34 @@ def test_a_smooth_face_feels_its_normal_alone(tmp_path):
     np.testing.assert_allclose(
         c["normal_face"][felt], -math.tan(math.radians(15.0)) * c["cutting_face"][felt], rtol=1e-9, atol=1e-6
     )
+
+
+def test_what_moves_up_the_face_slides_and_what_moves_with_the_tool_sticks(course):
+    s, felt = course.simulation, course.forces.now()
+    assert felt.pressed > 0.0
+    assert 0.0 <= felt.slid <= felt.pressed
+    kept = s.now.copy()
+    up = np.array([-math.sin(math.radians(15.0)), math.cos(math.radians(15.0))])
+    s.now[:, s.columns.spin] = 0.0
+    for share, slid in ((0.0, 0.0), (0.5, felt.pressed), (-0.5, 0.0)):
+        s.now[:, s.columns.velocity] = course.speed() * (np.array([1.0, 0.0]) + share * up)
+        assert course.forces.now().slid == pytest.approx(slid)
+    # a grain that rolls up the face as it moves up does not slide: the point that touches stands still
+    s.now[:, s.columns.velocity] = course.speed() * np.array([1.0, 0.0]) + 0.5 * up
+    s.now[:, s.columns.spin] = 0.5 / s.now[:, [s.columns.radius]]
+    assert course.forces.now().slid == pytest.approx(0.0)
+    s.now[:] = kept
+
+
+def test_nothing_sticks_to_the_tool_but_grains_to_each_other(tmp_path):
+    rolling = small_text()
+    text = rolling.replace('law = "linear_rolling"', 'law = "cohesive_frictional"')
+    text = text.replace("rolling_friction = 1.0", 'adhesion = "2 kN"')
+    text = text.replace("twisting_friction = 0.0", 'adhesion_shear = "3 kN"')
+    assembly = make_cut(parse_cutting(text, tmp_path)).assembly
+    assert assembly.contact_law == "cohesive_frictional"
+    (tool,) = [wall for wall in assembly.walls if wall.name == "tool"]
+    assert tool.contact["sandstone"].adhesion == tool.contact["sandstone"].adhesion_shear == 0.0
 
 
 def test_a_kept_cut_goes_on_to_the_same_bits(cut, course):
