@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from reference.pages_fuzzing import fuzzing_section
 from reference.pages_particles import figures
 from reference.pages_tables import Row, number, table
 
@@ -34,6 +35,7 @@ def stability_sections(read: Callable[[str], Any], header: Callable[[Any], str],
     else:
         parts.append(not_run.format(name=BATTERY, command=f"python -m reference run {BATTERY}") + "\n")
     parts += _interruptions(read, header, not_run)
+    parts += fuzzing_section(read, header, not_run)
     parts += ["### Order of accuracy\n"]
     order = read(ORDER)
     if order.rows:

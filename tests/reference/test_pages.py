@@ -301,6 +301,36 @@ def test_run_time_against_error_of_several_codes(tmp_path):
         assert picture.width > 300
 
 
+def test_fuzzing_is_told_a_line_a_family(tmp_path):
+    rows = _fuzzed("cases", 5000, 4321, 0, 0.25) + _fuzzed("pictures", 20, 7, 2, 11.0)
+    whole = [("inputs tried", 5020, 10_000), ("taken otherwise than in use or words", 2, 0)]
+    rows += [
+        {"name": "all", "quantity": what, "value": value, "expected": expected}
+        for what, value, expected in whole
+    ]
+    (tmp_path / "fuzzing.json").write_text(json.dumps({"header": HEADER, "rows": rows}))
+    write_pages(tmp_path, tmp_path / "docs")
+    page = tmp_path / "docs" / "verification.md"
+    assert _tables_below(page, "Spoilt input") == [
+        ["cases", "5,000", "4,321", "none", "0.25", "10", "12", "1074"],
+        ["pictures", "20", "7", "**2**", "11", "10", "12", "1074"],
+    ]
+    assert "5,020 inputs" in page.read_text()
+    assert "2 ended otherwise" in page.read_text()
+
+
+def _fuzzed(family, tried, refused, wrong, slowest):
+    found = [
+        ("inputs tried", tried, tried), ("taken otherwise than in use or words", wrong, 0),
+        ("slowest input [s]", slowest, 10.0), ("growth of resident memory [MB]", 12.0, 1073.741824),
+    ]  # fmt: skip
+    source = f"seed 1; {refused} refused in words"
+    return [
+        {"name": family, "quantity": what, "value": value, "expected": expected, "source": source}
+        for what, value, expected in found
+    ]
+
+
 def test_nothing_was_run(tmp_path):
     docs = tmp_path / "docs"
     (docs / "pictures").mkdir(parents=True)
@@ -308,9 +338,9 @@ def test_nothing_was_run(tmp_path):
     stale.write_bytes(b"of an earlier run")
     write_pages(tmp_path / "no results", docs)
     text = (docs / "verification.md").read_text()
-    # slopes, ground, stability, interruptions, order, long work and memory, and the groups
+    # slopes, ground, stability, interruptions, fuzzing, order, long work and memory, and the groups
     groups = (GROUPS, BODIES, LABORATORY, COMPARED)
-    assert text.count("This has not been run yet") == 7 + sum(map(len, groups))
+    assert text.count("This has not been run yet") == 8 + sum(map(len, groups))
     assert "`python -m reference bench slopes`" in text
     assert "error_against_time" not in (docs / "performance.md").read_text()
     assert not stale.exists()
