@@ -69,7 +69,9 @@ LEAST = 0.01
 
 
 class Pace:
-    """How long work takes: as long as it has taken so far, compiling left out.
+    """How long work takes: as long as the latter half of what was done took, compiling left out.
+
+    Steps become slower as ground breaks and flows, or as others use the machine: what was long ago says little.
 
     Parameters
     ----------
@@ -88,15 +90,25 @@ class Pace:
 
     def begin(self, done: float = 0.0) -> None:
         """Count from now on, with so much work behind."""
-        self._first = done
-        self._begun = time.perf_counter() - self._compiled()
+        self._behind = done
+        self._marks: list[tuple[float, float]] = []
 
     def left(self, work: Work) -> tuple[float, float]:
         """Seconds left as expected, and at most [s]; NaN while little has been done, and where there is no `most`."""
-        done = work.done - self._first
+        now = time.perf_counter() - self._compiled()
+        if not self._marks:
+            # before the first work there is much to be made ready
+            if work.done > self._behind:
+                self._marks.append((work.done, now))
+            return math.nan, math.nan
+        first = self._marks[0][0]
+        done = work.done - first
         if done <= LEAST * (done + work.left):
             return math.nan, math.nan
-        each = (time.perf_counter() - self._compiled() - self._begun) / done
+        since, at = next(mark for mark in reversed(self._marks) if mark[0] <= first + 0.5 * done)
+        if work.done >= self._marks[-1][0] + LEAST * (done + work.left):
+            self._marks.append((work.done, now))
+        each = (now - at) / (work.done - since)
         return each * work.left + self._closing, each * work.most + self._closing
 
 

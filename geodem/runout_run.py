@@ -42,7 +42,7 @@ WRITTEN = ("*.vtkhdf", "*.vtkhdf.series", "figures/*.png")
 KEPT_SECONDS = 20.0
 CLOSING = 3.0
 """Time of pictures and report, about [s]."""
-FLOW_WORK = 40.0
+FLOW_WORK = 500.0
 """Of a flow over the square of the number of discs: steps times particles of a search that take as long."""
 COLUMNS = (
     "time [s]", "centre of gravity, x [m]", "centre of gravity, y [m]", "kinetic energy [J/m]",
@@ -57,6 +57,7 @@ class Stopping:
     def __init__(self, watch: Watch | None, asked: Callable[[], bool] | None) -> None:
         self.watch = watch or (lambda update: None)
         self.asked = asked or (lambda: False)
+        self.searched = 0.0  # work of the search, steps times particles
 
     def tell(self, stage: str, text: str, detail: str = "") -> None:
         """One word to the user, or the end of the run."""
@@ -192,6 +193,7 @@ def _search(case: RunoutCase, run: RunFolder, told: Stopping) -> tuple[Model, Me
                 told.watch(RunUpdate("search", SEARCHING, update.text))
                 return
             work = together([update.work, Work(0.0, flow)])
+            told.searched = work.done
             each = update.seconds_left / update.work.left if update.work.left > 0.0 else math.nan
             left, most = each * work.left, each * work.most
             told.watch(RunUpdate("search", SEARCHING, update.text, left, most, work))
@@ -253,7 +255,10 @@ def _flow(hand: HandOver, run: RunFolder, told: Stopping) -> tuple[Flow, Floats]
         for path in run.path.glob("*.vtkhdf*"):
             remove(path)
     saved = time.perf_counter()
-    pace = Pace(compile_seconds, done=flow.work().done, closing=CLOSING)
+    first = flow.work()
+    pace = Pace(compile_seconds, done=first.done, closing=CLOSING)
+    # in the unit of the search
+    unit = FLOW_WORK * float(flow.moving.sum()) ** 2 / (first.done + first.left)
     with continued_history(run.path / "history.csv", COLUMNS, flow.looks) as history:
         while not (flow.at_rest or flow.too_long):
             if told.asked():
@@ -265,7 +270,8 @@ def _flow(hand: HandOver, run: RunFolder, told: Stopping) -> tuple[Flow, Floats]
                 places.append(flow.simulation.positions)
             detail = f"{look.time:.3g} s, fastest {look.fastest:.3g} m/s"
             work = flow.work()
-            told.watch(RunUpdate("flow", "letting the discs flow", detail, *pace.left(work), work))
+            whole = Work(told.searched + unit * work.done, unit * work.left, unit * work.most)
+            told.watch(RunUpdate("flow", "letting the discs flow", detail, *pace.left(work), whole))
             if time.perf_counter() - saved > KEPT_SECONDS:
                 _keep(flow, places, run)
                 saved = time.perf_counter()

@@ -36,7 +36,7 @@ WRITTEN = (FRAMES, "figures/*.png")
 KEEP_SECONDS = 5.0
 """Wall time between two checkpoints within a stage."""
 
-CLOSING = 2.0
+CLOSING = 3.0
 """Time of pictures and report, about [s]."""
 
 Watch = Callable[[RunUpdate], None]

@@ -22,7 +22,10 @@ def clock(monkeypatch):
 
 def test_work_takes_as_long_as_it_has_taken_compiling_left_out(clock):
     compiled = [3.0]
-    pace = Pace(lambda: compiled[0], done=50.0, closing=2.0)
+    pace = Pace(lambda: compiled[0], done=45.0, closing=2.0)
+    # what comes before the first units does not count
+    clock[0] = 100.0
+    assert math.isnan(pace.left(Work(50.0, 60.0))[0])
     # 20 units in 15 s, 5 s of which were compiling: 0.5 s each, and what follows
     clock[0], compiled[0] = 115.0, 8.0
     assert pace.left(Work(70.0, 40.0, 100.0)) == pytest.approx((22.0, 52.0))
@@ -32,10 +35,21 @@ def test_work_takes_as_long_as_it_has_taken_compiling_left_out(clock):
 
 
 def test_nothing_is_told_while_little_is_done(clock):
-    pace = Pace(lambda: 0.0)
+    pace = Pace(lambda: 0.0, done=-1.0)
+    pace.left(Work(0.0, 1.0))
     clock[0] += 10.0
     assert math.isnan(pace.left(Work(0.5 * LEAST, 1.0))[0])
     assert pace.left(Work(2.0 * LEAST, 1.0))[0] == pytest.approx(10.0 / (2.0 * LEAST))
+
+
+def test_the_pace_is_that_of_the_latter_half(clock):
+    pace = Pace(lambda: 0.0, done=-1.0)
+    pace.left(Work(0.0, 100.0))
+    # a second each for the first ten units, three for the next ten
+    for done in range(1, 21):
+        clock[0] += 1.0 if done <= 10 else 3.0
+        left, _ = pace.left(Work(done, 100.0 - done))
+    assert left == pytest.approx(3.0 * 80.0)
 
 
 def test_parts_of_a_run_are_added():
