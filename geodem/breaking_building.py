@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from .assembly import Wall
 from .boundaries.walls import segments
 from .breaking.criteria import Criteria
-from .breaking.scene import BondedScene, start
+from .breaking.scene import BondedScene, start, wall_words
 from .breaking.search import SearchPlan
 from .breaking.shapes import inside_circle, inside_cylinder, inside_polygon
 from .breaking.site import Site
@@ -26,6 +26,7 @@ from .breaking.stages import (
     Stage,
     Where,
 )
+from .breaking.supports import wall_place
 from .builders.body import Body
 from .case.breaking import BreakingCase, PointOptions, StageOptions
 from .errors import InputError, InputErrors
@@ -73,6 +74,10 @@ def build_works(case: BreakingCase) -> Works:
     walls = [wall for pieces in openings.values() for wall in pieces]
     walls += [_line(wall.name, np.array(wall.points), wall.friction) for wall in case.walls]
     scene = scene_of(replace(case.scene, boundary=boundary), body, filling, walls=walls)
+    if len(scene.assembly.bonds):
+        touching = {side: wall_place(side, filling.positions, filling.radii)[1] for side in openings}
+        words = wall_words(filling, touching, case.scene.boundary)
+        scene = replace(scene, warnings=(*scene.warnings, *words))
     simulation, _ = start(scene, local_damping=case.damping, energy=True, applied=True)
     if case.time_step_factor != BreakingCase.time_step_factor:
         step = case.time_step_factor * simulation.critical_time_step
@@ -184,8 +189,8 @@ def _openings(case: BreakingCase, positions: Floats, radii: Floats) -> dict[str,
             )  # fmt: skip
         cuts.setdefault(side, []).append((ends[0], ends[1], opening_name(side, number)))
     for side, parts in cuts.items():
-        axis, upper = (0 if side in ("left", "right") else 1), side in ("right", "top")
-        level = float((positions[:, axis] + radii).max() if upper else (positions[:, axis] - radii).min())
+        axis = 0 if side in ("left", "right") else 1
+        level, _ = wall_place(side, positions, radii)
         along = 1 - axis
         smooth = 0.0 if case.scene.boundary[side] == "wall" else None
         # planes have no ends: what stays reaches far beyond the ground

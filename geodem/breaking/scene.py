@@ -189,7 +189,7 @@ def build_scene(
         loose=loose,
         structures=structures,
         initial_stress=initial_stress,
-        warnings=(*_loose_words(filling, loose), *_wall_words(filling, held.touching, supports)),
+        warnings=(*_loose_words(filling, loose), *wall_words(filling, held.touching, supports)),
     )
 
 
@@ -261,7 +261,7 @@ def _loose_words(filling: BodyFilling, loose: Integers) -> list[str]:
     ]
 
 
-def _wall_words(filling: BodyFilling, touching: Mapping[str, int], supports: Mapping[str, str]) -> list[str]:
+def wall_words(filling: BodyFilling, touching: Mapping[str, int], supports: Mapping[str, str]) -> list[str]:
     """Words on walls that hardly anything touches yet."""
     low, high = filling.positions.min(axis=0), filling.positions.max(axis=0)
     diameter = 2.0 * float(filling.radii.mean())

@@ -115,14 +115,21 @@ def add_supports(
             held[name] = ids[near]
             _hold(build, held[name], axis, kind)
         elif kind in WALLS:
-            surface = float((along + radii).max() if upper else (along - radii).min())
-            gap = surface - (along + radii) if upper else along - radii - surface
-            touching[name] = int((gap < 0.01 * reach).sum())
+            surface, touching[name] = wall_place(name, positions, radii)
             fields = CONTACT_LAWS[build.contact_law].PARAMETERS._fields
             smooth = dict.fromkeys((field for field in fields if "friction" in field), 0.0)
             walls.append(_wall(name, axis, upper, surface, bounds, smooth if kind == "wall" else {}))
             build.add_wall(walls[-1])
     return Held(held, tuple(walls), touching)
+
+
+def wall_place(name: str, positions: Floats, radii: Floats) -> tuple[float, int]:
+    """Coordinate of a wall on a side [m], and how many particles touch it, within a hundredth of the mean diameter."""
+    axis, upper = side(name, positions.shape[1])
+    out = positions[:, axis] + radii if upper else radii - positions[:, axis]
+    farthest = float(out.max())
+    near = int((farthest - out < 0.02 * float(radii.mean())).sum())
+    return (farthest if upper else -farthest), near
 
 
 def _hold(build: AssemblyBuilder, ids: Integers, axis: int, kind: str) -> None:

@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from reference.problems.tunnels_spalling import kirsch_hoop, kirsch_motion, plane_moduli
+from reference.problems.tunnels_spalling_kirsch import (
+    kirsch_deviator,
+    kirsch_hoop,
+    kirsch_motion,
+    plane_moduli,
+)
+from reference.problems.tunnels_spalling_onset import Laboratory, expected_load
 
 PRESSURE = (10e6, 5e6)
 MODULI = (50e9, 0.25)
@@ -63,3 +69,19 @@ def test_moduli_of_a_state():
     stress = np.diag([-3e6, -1e6])
     strain = np.diag([(-3e6 + 0.2 * 1e6) / modulus, (-1e6 + 0.2 * 3e6) / modulus])
     assert plane_moduli(strain, stress) == pytest.approx((modulus, ratio))
+
+
+def test_principal_stresses_at_the_wall_and_under_even_pressure():
+    wall, away = np.array([[0.0, 1.0], [1.0, 0.0]]), np.array([[2.0, 0.0], [0.0, 3.0]])
+    assert kirsch_deviator(wall, PRESSURE) == pytest.approx(kirsch_hoop(wall, PRESSURE))
+    # Lame: p (1 + 1/r^2) around, p (1 - 1/r^2) outwards
+    assert kirsch_deviator(away, (10e6, 10e6)) == pytest.approx([2.0 * 10e6 / 4.0, 2.0 * 10e6 / 9.0])
+
+
+def test_expected_cracks_under_even_pressure():
+    """Where every second grain cracks at 60 MPa, those within r^2 = 2 p L/60 MPa of the middle do: Lame."""
+    found = Laboratory(140e6, 60e6, np.full(500, 60e6), 1000, 0.0)
+    count, grains = 300.0, 800.0
+    area = count / (0.5 * grains)
+    load = (1.0 + area / np.pi) * 60e6 / (2.0 * 10e6)
+    assert expected_load(found, count, (10e6, 10e6), grains) == pytest.approx(load, rel=2e-3)
