@@ -24,25 +24,26 @@ from .interruptions_files import broken_files, differences, done_runs, held, nam
 from .interruptions_killer import MOMENTS
 from .interruptions_processes import end_all, left_behind, start
 from .interruptions_scenes import SCENES, Scene, make_older, next_command
+from .interruptions_shares import in_shares
 from .interruptions_spoilt import spoilt
 from .interruptions_stops import ctrl_c, killed_worker
 from .rows import Row
 
 KILLS = {
-    "slope": 18,
-    "ground": 27,
-    "laboratory": 18,
-    "particles": 33,
-    "tunnel": 21,
+    "slope": 12,
+    "ground": 33,
+    "laboratory": 12,
+    "particles": 36,
+    "tunnel": 27,
     "breaking": 24,
-    "cutting": 27,
+    "cutting": 30,
     "runout": 21,
-    "sweep": 15,
+    "sweep": 9,
 }
 """Of each scene; a third at random moments, a third while it writes what it goes on from, a third in its outputs."""
 STOPS = 2
 """Ctrl-C of each scene; every second one is pressed twice."""
-WORKERS = {"laboratory": 2, "sweep": 2}
+WORKERS = {"laboratory": 1, "sweep": 2}
 """Processes killed of scenes that have such."""
 OVERWRITTEN = 0.4
 """Share of runs that are begun over the results of another case."""
@@ -70,11 +71,13 @@ class Outcome(NamedTuple):
 
 def run() -> Sequence[Row]:
     """Every scene: kills of each sort, runs that were brought to their end, and what was wrong."""
-    rows = []
-    for name, kills in KILLS.items():
-        rows += _of_kills(name, kills, disturb(SCENES[name], kills, SEED))
-        rows += _of_others(name, SCENES[name])
-    return rows
+    return in_shares(
+        list(KILLS),
+        lambda name: [
+            *_of_kills(name, KILLS[name], disturb(SCENES[name], KILLS[name], SEED)),
+            *_of_others(name, SCENES[name]),
+        ],
+    )
 
 
 def _of_kills(name: str, kills: int, outcome: Outcome) -> list[Row]:
