@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
+import tempfile
 
 import pytest
 
@@ -13,6 +15,8 @@ from reference.problems.fuzzing_judge import ROOT
 from reference.problems.interruptions_disks import full_disks, read_only
 from reference.problems.interruptions_processes import end_all, left_behind, marked, start
 from reference.problems.interruptions_scenes import SCENES, broken_files, make_older, next_command
+from reference.problems.interruptions_shares import in_shares
+from reference.problems.rows import Row
 
 SEED = 5
 KILLS = {"slope": 3, "ground": 3, "laboratory": 3, "particles": 3}
@@ -100,3 +104,28 @@ def test_results_of_another_case_are_written_over_until_they_are_gone(tmp_path):
     assert command[command.index("--out") + 1] == str(out)
     (out / "case.toml").write_text((whole / "case.toml").read_text())
     assert "--overwrite" not in next_command(scene, tmp_path, out)
+
+
+def test_a_long_run_is_done_in_shares(tmp_path, monkeypatch):
+    """Stopped in its second scene it begins with that; what was done long ago, or with other sources, is done again."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    asked: list[str] = []
+
+    def work(name: str, stopped: str = "") -> list[Row]:
+        if name == stopped:
+            raise KeyboardInterrupt
+        asked.append(name)
+        return [Row(name, "kills", len(asked), 0.0, 0.0, 0.0, 1.5, "seed 1")]
+
+    with pytest.raises(KeyboardInterrupt):
+        in_shares(["first", "second"], lambda name: work(name, "second"))
+    rows = in_shares(["first", "second"], work)
+    assert asked == ["first", "second"]
+    assert rows == [Row(name, "kills", at, 0.0, 0.0, 0.0, 1.5, "seed 1") for at, name in enumerate(asked, 1)]
+    (kept,) = tmp_path.glob("geodem-shares-*/first.json")
+    os.utime(kept, (0, 0))
+    in_shares(["first", "second"], work)
+    assert asked == ["first", "second", "first"]
+    monkeypatch.setattr("reference.problems.interruptions_shares.sources_digest", lambda: "another")
+    in_shares(["first"], work)
+    assert asked[3:] == ["first"]
