@@ -35,8 +35,6 @@ class Scene(NamedTuple):
     often : str
         MODULE:NAME of the time between two places that can be gone on from [s]. A small run would be over before the
         first one, so that it is made short.
-    grows : bool
-        Its history grows while it goes on; else one that is there is whole.
     overwrites : bool
         It can be told to take away what is in its folder.
     """
@@ -46,13 +44,10 @@ class Scene(NamedTuple):
     kept: str = r"\.h5$"
     outputs: str = OTHERS
     often: str = ""
-    grows: bool = False
     overwrites: bool = True
 
 
-def _case(
-    text: str, how: str = "run", *, kept: str = r"\.h5$", often: str = "", grows: bool = False
-) -> Scene:
+def _case(text: str, how: str = "run", *, kept: str = r"\.h5$", often: str = "") -> Scene:
     def prepare(folder: Path) -> None:
         fuzzing_files.write_sources(folder / "case")
         (folder / "case" / "case.toml").write_text(text)
@@ -63,7 +58,7 @@ def _case(
             return ["geodem", "resume", str(out), "--threads", "1"]
         return ["geodem", how, str(folder / "case"), "--out", str(out), "--threads", "1"]
 
-    return Scene(prepare, command, kept, OTHERS, often, grows)
+    return Scene(prepare, command, kept, OTHERS, often)
 
 
 OLDER = "Another title"
@@ -96,13 +91,12 @@ def overwriting(scene: Scene, folder: Path, out: Path) -> list[str]:
 
 SEARCH = "geodem.analysis:CHECKPOINT_SECONDS"
 SCENES = {
-    "slope": _case(SLOPE.replace("tolerance = 0.05", "tolerance = 0.1"), often=SEARCH, grows=True),
+    "slope": _case(SLOPE.replace("tolerance = 0.05", "tolerance = 0.1"), often=SEARCH),
     "ground": _case(GROUND, kept=r"filling\.npz$"),
-    "laboratory": _case(LABORATORY.replace("seeds = 6", "seeds = 3"), "lab", grows=True),
+    "laboratory": _case(LABORATORY.replace("seeds = 6", "seeds = 3"), "lab"),
     "particles": Scene(
         lambda folder: None,
         lambda folder, out: [f"{__package__}.interruptions_particles", str(out)],
-        grows=True,
         overwrites=False,
     ),
     "tunnel": _case(cases.TUNNEL, often="geodem.tunnel_run:KEEP_SECONDS"),
