@@ -135,6 +135,17 @@ def _sum_of_energies(
     return math.fsum(function(*values) for values in zip(*wanted, strict=True))
 
 
+def rounding(before: ParticleSimulation, s: ParticleSimulation) -> float:
+    """Kinetic energy that rounded places can have made since `before` [J].
+
+    A place is rounded by its size times 2^-53 in every step, which springs turn into speeds of that over a step; from
+    step to step these energies add up.
+    """
+    size = float(np.abs(s.positions).max())
+    jump = size * float(np.finfo(float).eps) / s.time_step
+    return float(s.assembly.mass.sum()) * (s.steps - before.steps) * jump**2
+
+
 def supplied(before: ParticleSimulation, s: ParticleSimulation) -> float:
     """Sizes of the work of loads, walls and the cell since `before` [J]; more than they add up to."""
     d, a = s.dimension, s.assembly

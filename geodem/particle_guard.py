@@ -31,6 +31,7 @@ from .particle_extremes import (
     far_box,
     overlaps_of_strangers,
     overlaps_with_walls,
+    rounding,
     slowest_contact,
     stored_energy,
     supplied,
@@ -213,7 +214,7 @@ class Guard:
         before = self.before(s)
         given = self.kinetic + supplied(before, s)
         if kinetic > EXPLOSION * given:
-            given += stored_energy(before)
+            given += stored_energy(before) + rounding(before, s)
         if kinetic > EXPLOSION * given:
             raise self.error(
                 s, _fastest(s),

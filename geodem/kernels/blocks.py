@@ -90,6 +90,7 @@ PLACE = 3
 HANDED_OVER = 2
 BORN = 3
 
+relative_motion: Any = None  # of the convention, geodem's own: no other is computed in blocks
 contact_parameters: Any = None
 contact: Any = None
 contact_viscous: Any = None
@@ -174,9 +175,6 @@ def lane_geometry(block, lane, time_step):
     dvy = block[RELATIVE + 4 * lane + 1]
     dvz = block[RELATIVE + 4 * lane + 2]
     along = dvx * nx + dvy * ny + dvz * nz
-    across_x = (dvx - along * nx) * time_step
-    across_y = (dvy - along * ny) * time_step
-    across_z = (dvz - along * nz) * time_step
     sx = block[SUM + 4 * lane]
     sy = block[SUM + 4 * lane + 1]
     sz = block[SUM + 4 * lane + 2]
@@ -184,24 +182,25 @@ def lane_geometry(block, lane, time_step):
     ry = block[DIFFERENCE + 4 * lane + 1]
     rz = block[DIFFERENCE + 4 * lane + 2]
     # arm_a wa + arm_b wb, with the arms (d + ra - rb)/2 and (d + rb - ra)/2
-    half_distance = 0.5 * distance * time_step
+    half_distance = 0.5 * distance
     unlike = -block[APART + 4 * lane + 3]
-    half_unlike = 0.5 * unlike * time_step
+    half_unlike = 0.5 * unlike
     wx = half_distance * sx + half_unlike * rx
     wy = half_distance * sy + half_unlike * ry
     wz = half_distance * sz + half_unlike * rz
-    slip_x = across_x - (wy * nz - wz * ny)
-    slip_y = across_y - (wz * nx - wx * nz)
-    slip_z = across_z - (wx * ny - wy * nx)
+    parting, slip_x, slip_y, slip_z = relative_motion(
+        distance, nx, ny, nz, dvx, dvy, dvz, along, 1.0, wx, wy, wz, sx * sx + sy * sy + sz * sz, time_step
+    )
     twist = -(rx * nx + ry * ny + rz * nz) * time_step
     bend_x = -rx * time_step - twist * nx
     bend_y = -ry * time_step - twist * ny
     bend_z = -rz * time_step - twist * nz
-    half = 0.5 * inverse
+    half = 0.5 * time_step * inverse
     spin = 0.5 * time_step * (sx * nx + sy * ny + sz * nz)
     return (
-        distance, unlike, nx, ny, nz, block[RELATIVE + 4 * lane + 3] - distance, -along * time_step,
-        slip_x, slip_y, slip_z, twist, bend_x, bend_y, bend_z, across_x * half, across_y * half, across_z * half, spin,
+        distance, unlike, nx, ny, nz, block[RELATIVE + 4 * lane + 3] - distance, -parting * time_step,
+        slip_x * time_step, slip_y * time_step, slip_z * time_step, twist, bend_x, bend_y, bend_z,
+        (dvx - along * nx) * half, (dvy - along * ny) * half, (dvz - along * nz) * half, spin,
     )  # fmt: skip
 
 

@@ -52,6 +52,8 @@ MASS = 7  # (7)
 SPIN = 8  # (6)
 MATERIAL = 11  # (3)
 
+SIXTH = 1.0 / 6.0
+
 AHEAD = 24
 """Pairs between asking for rows and using them."""
 FAR = 300_000
@@ -76,6 +78,7 @@ contact_viscous: Any = None
 contact_energy: Any = None
 contact_reach: Any = None
 branches: Any = None  # of the convention, see geodem.laws.convention
+relative_motion: Any = None
 half_turn: Any = None
 spin_about: Any = None
 load_contact: Any = None
@@ -283,7 +286,6 @@ def range_of_pairs(
             by = 0.0
             if SPACE:
                 along = dvx * nx + dvy * ny + dvz * nz
-                approach = -along * time_step
                 # the change of n over half a step and the mean spin about n turn the contact's frame
                 turn_x, turn_y, turn_z = half_turn(
                     dx, dy, dz, distance, nx, ny, nz, dvx, dvy, dvz, along, time_step
@@ -299,18 +301,28 @@ def range_of_pairs(
                 wx = branch_a * ax + branch_b * bx
                 wy = branch_a * ay + branch_b * by
                 wz = branch_a * az + branch_b * bz
-                slip_x = (enlarged * (dvx - along * nx) - (wy * nz - wz * ny)) * time_step
-                slip_y = (enlarged * (dvy - along * ny) - (wz * nx - wx * nz)) * time_step
-                slip_z = (enlarged * (dvz - along * nz) - (wx * ny - wy * nx)) * time_step
+                turned = (ax + bx) * (ax + bx) + (ay + by) * (ay + by) + (az + bz) * (az + bz)
+                parting, slip_x, slip_y, slip_z = relative_motion(
+                    distance, nx, ny, nz, dvx, dvy, dvz, along, enlarged, wx, wy, wz, turned, time_step
+                )
+                approach = -parting * time_step
+                slip_x *= time_step
+                slip_y *= time_step
+                slip_z *= time_step
                 twist = ((bx - ax) * nx + (by - ay) * ny + (bz - az) * nz) * time_step
                 bend_x = (bx - ax) * time_step - twist * nx
                 bend_y = (by - ay) * time_step - twist * ny
                 bend_z = (bz - az) * time_step - twist * nz
             else:
-                approach = -(dvx * nx + dvy * ny) * time_step
+                along = dvx * nx + dvy * ny
+                across = dvy * nx - dvx * ny
+                # as in 3D: the change of the distance, to third order; a turn by t moves b by d sin(t) across n
+                half = 0.5 * time_step * inverse
+                approach = (half * (along * along + across * across) - along) * (1.0 + along * half) * time_step
                 az = rows[a + SPIN]
                 bz = rows[b + SPIN]
-                slip_x = (dvy * nx - dvx * ny - arm_a * az - arm_b * bz) * time_step
+                turn = 0.5 * (az + bz) * time_step
+                slip_x = (across - (arm_a * az + arm_b * bz) * (1.0 - turn * turn * SIXTH)) * time_step
                 bend_x = (bz - az) * time_step
             space = (
                 nx, ny, nz, ax * time_step, ay * time_step, az * time_step, bx * time_step, by * time_step,

@@ -100,16 +100,18 @@ def turned(bond: str, dimension: int, turns: int, steps_a_turn: int) -> float:
     rows = simulation.arrays.ids
     at = np.zeros((len(places), 3))
     at[:, :dimension] = places
+    before = places
     for step in range(1, turns * steps_a_turn + 1):
-        following = _rotated(at, axis, step * angle)[:, :dimension]
+        present = _rotated(at, axis, step * angle)[:, :dimension]
+        # the laws are asked where particles are now, with the velocities that brought them there
         for row in simulation.rows:
-            row[:, simulation.columns.velocity] = (
-                following[rows] - simulation.now[:, :dimension]
-            ) / simulation.time_step
+            row[:, :dimension] = present[rows]
+            row[:, simulation.columns.velocity] = (present - before)[rows] / simulation.time_step
             row[:, simulation.columns.spin] = (
                 (axis if dimension == 3 else axis[2:]) * angle / simulation.time_step
             )
         simulation.run(1)
+        before = present
     _, shear = simulation.contact_forces()
     stiffness = 5e6 if contact == "linear_frictional" else 1e9 * RADIUS
     return float(np.sqrt((shear**2).sum(axis=1)).max()) / stiffness / (2.0 * RADIUS)

@@ -23,13 +23,22 @@ every_convention = pytest.mark.parametrize("name", CONVENTIONS)
 # ------------------------------------------------------------------ the functions
 
 
-def slip(convention, apart, velocity, spin_a, spin_b):
-    """Velocity of the slip as the loop of pairs forms it: across n, e (vb - va) - (arm_a wa + arm_b wb) x n."""
+def relative_motion(convention, apart, velocity, spin_a, spin_b, lapse=0.0):
+    """Velocities of approach, negative, and of slip, as the loop of pairs asks for them at the end of a step."""
     distance = np.linalg.norm(apart)
     normal = apart / distance
     enlarged, arm_a, arm_b = convention.branches(distance, RADIUS_A, RADIUS_B)
-    across = velocity - velocity @ normal * normal
-    return enlarged * across - np.cross(arm_a * spin_a + arm_b * spin_b, normal)
+    arms = arm_a * spin_a + arm_b * spin_b
+    turned = (spin_a + spin_b) @ (spin_a + spin_b)
+    parting, *slip = convention.relative_motion(
+        distance, *normal, *velocity, velocity @ normal, enlarged, *arms, turned, lapse
+    )
+    return parting, np.array(slip)
+
+
+def slip(convention, apart, velocity, spin_a, spin_b, lapse=0.0):
+    """Velocity of the slip: across n, e (vb - va) - (arm_a wa + arm_b wb) x n."""
+    return relative_motion(convention, apart, velocity, spin_a, spin_b, lapse)[1]
 
 
 def turned(convention, before, apart, velocity, spins, lapse, remembered):
@@ -73,7 +82,8 @@ def test_a_convention_offers_what_the_loops_call(name):
 def test_a_rigid_rotation_is_no_slip(name):
     """At an instant exactly; over a step of leap-frog, whose way is the chord, up to the order of the step.
 
-    The chord of a turn across the normal is d sin(w dt) long: third order. One about the normal as well bends it aside.
+    The chord of a turn across the normal is d sin(w dt) long: third order. One about the normal as well bends it aside,
+    where the branch is that at the end of the step: second order. geodem's own knows both: fifth.
     """
     rng = np.random.default_rng(1)
     for _ in range(20):
@@ -81,13 +91,45 @@ def test_a_rigid_rotation_is_no_slip(name):
         found = slip(CONVENTIONS[name], apart, np.cross(spin, apart), spin, spin)
         assert found == pytest.approx(np.zeros(3), abs=1e-15)
 
-    for about, expected in ((False, 3.0), (True, 2.0)):
+    for about, expected in ((False, 5.0), (True, 5.0)) if name == "geodem" else ((False, 3.0), (True, 2.0)):
 
         def error(lapse, about=about):
             _, after, velocity, spin, _, _ = rigid_step(np.random.default_rng(2), lapse, about=about)
-            return np.linalg.norm(slip(CONVENTIONS[name], after, velocity, spin, spin)) * lapse
+            return np.linalg.norm(slip(CONVENTIONS[name], after, velocity, spin, spin, lapse)) * lapse
 
-        assert order(error) == pytest.approx(expected, abs=0.02)
+        assert order(error, 0.1 if name == "geodem" else 2e-3) == pytest.approx(expected, abs=0.02)
+
+
+def test_geodems_approach_is_the_change_of_the_distance():
+    """To third order; nothing in a rigid turn, where other codes' first-order approach pulls at dashpots."""
+    rng = np.random.default_rng(9)
+    lapse = 1e-2
+    for _ in range(20):
+        _, after, velocity, spin, _, _ = rigid_step(rng, lapse)
+        for name, least in (("geodem", 0.0), ("liggghts", 1e-7)):
+            parting, _ = relative_motion(CONVENTIONS[name], after, velocity, spin, spin, lapse)
+            assert least <= abs(parting) * lapse < max(1e-16, 1e7 * least)
+        velocity = 0.02 * rng.normal(size=3)
+        parting, found = relative_motion(CONVENTIONS["geodem"], after, velocity, spin, spin, lapse)
+        before = after - velocity * lapse
+        change = np.linalg.norm(velocity) * lapse / 0.0188
+        expected = np.linalg.norm(after) - np.linalg.norm(before)
+        assert parting * lapse == pytest.approx(expected, abs=0.0188 * change**3)
+        # across the normal, but for the second order of what the step changes
+        assert abs(found @ after) / 0.0188 < change**2 * np.linalg.norm(velocity - found)
+
+
+def test_geodems_stretch_along_a_turning_line_is_no_slip():
+    """To the second order in the angle, and a slip keeps its size; against the normal at the end only to the first."""
+    for name, expected in (("geodem", 3.0), ("liggghts", 2.0)):
+
+        def error(lapse, name=name):
+            before, after, _, spin, _, _ = rigid_step(np.random.default_rng(10), lapse)
+            longer = after * (1.0 + lapse)
+            velocity = (longer - before) / lapse
+            return np.linalg.norm(slip(CONVENTIONS[name], longer, velocity, spin, spin, lapse)) * lapse
+
+        assert order(error, 1e-2) > expected - 0.1
 
 
 def test_slips_differ_by_the_overlap_over_the_distance():
@@ -103,7 +145,7 @@ def test_slips_differ_by_the_overlap_over_the_distance():
         return np.linalg.norm(slip(CONVENTIONS[name], *given) - own) / np.linalg.norm(own)
 
     for name in ("yade-plain", "liggghts"):
-        assert difference(1e-4, name) == 0.0
+        assert difference(1e-4, name) < 1e-15
     assert order(lambda overlap: difference(overlap, "yade"), 1e-6) == pytest.approx(1.0, abs=1e-3)
     apart = 0.0188 * direction
     nothing = np.zeros(3)

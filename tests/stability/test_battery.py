@@ -51,8 +51,8 @@ def test_rest():
 
 
 def test_rotation():
-    """What is left falls as the square of the angle of a step: here 6e-5."""
-    check(*stability_rest.rotation(1, 100_000, [("two_springs", 2)]))
+    """What is left falls as the fourth power of the angle of a step: here 0.36 degrees."""
+    check(*stability_rest.rotation(2, 1000, [("two_springs", 2), ("rock", 3)]))
 
 
 def test_ground():

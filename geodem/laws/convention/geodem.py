@@ -1,7 +1,8 @@
 """geodem's own convention: slip at the middle of the overlap, the frame turned to second order in the step.
 
-A rigid motion of the pair is no slip at any instant, and over a step none to second order; what a contact remembers
-keeps its size and stays across the normal to that order.
+Velocities are those of the middle of a step, and so are the normal and the arms that they are set against: a rigid
+motion of the pair over a step, of any direction, is no slip and no approach to the fourth order in its angle. What a
+contact remembers keeps its size and stays across the normal to second order.
 """
 
 from __future__ import annotations
@@ -20,6 +21,27 @@ def branches(distance, radius_a, radius_b):
 def wall_branches(distance, radius):
     """The same of a sphere that touches a wall, and the arm of the force on the sphere [m]."""
     return 1.0, distance, distance
+
+
+def relative_motion(distance, nx, ny, nz, dvx, dvy, dvz, along, enlarged, wx, wy, wz, turned, lapse):
+    """Velocities of approach, negative, and of slip, from dv = vb - va, w = arm_a wa + arm_b wb, turned = |wa + wb|^2.
+
+    With m = n - dv lapse/(2 d), half the sum of the old and the new branch over the new distance, a rigid turn by the
+    angle t moves b against a by 2 tan(t/2) across m: spins count by 2 tan(t/2)/t. What is along m is no slip, and what
+    remains is laid across n.
+    """
+    half = 0.5 * lapse / distance
+    mx = nx - dvx * half
+    my = ny - dvy * half
+    mz = nz - dvz * half
+    chord = 1.0 + turned * (lapse * lapse / 48.0)
+    vx = dvx - chord * (wy * mz - wz * my)
+    vy = dvy - chord * (wz * mx - wx * mz)
+    vz = dvz - chord * (wx * my - wy * mx)
+    # over the mean of both distances, and one over m.n, both to second order
+    shorter = 1.0 + along * half
+    out = (vx * nx + vy * ny + vz * nz) * shorter
+    return (dvx * mx + dvy * my + dvz * mz) * shorter, vx - out * mx, vy - out * my, vz - out * mz
 
 
 def half_turn(dx, dy, dz, distance, nx, ny, nz, dvx, dvy, dvz, along, lapse):

@@ -26,6 +26,16 @@ def wall_branches(distance, radius):
     return 1.0, 0.5 * (radius + distance), 0.5 * (radius + distance)
 
 
+def relative_motion(distance, nx, ny, nz, dvx, dvy, dvz, along, enlarged, wx, wy, wz, turned, lapse):
+    """Velocities of approach, negative, and of slip: those of the middle of the step against the normal at its end."""
+    return (
+        along,
+        enlarged * (dvx - along * nx) - (wy * nz - wz * ny),
+        enlarged * (dvy - along * ny) - (wz * nx - wx * nz),
+        enlarged * (dvz - along * nz) - (wx * ny - wy * nx),
+    )
+
+
 def half_turn(dx, dy, dz, distance, nx, ny, nz, dvx, dvy, dvz, along, lapse):
     """Nothing: the change of the normal is not asked for."""
     return 0.0, 0.0, 0.0
