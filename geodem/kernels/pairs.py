@@ -79,6 +79,7 @@ contact_energy: Any = None
 contact_reach: Any = None
 branches: Any = None  # of the convention, see geodem.laws.convention
 relative_motion: Any = None
+parting_velocity: Any = None
 half_turn: Any = None
 spin_about: Any = None
 load_contact: Any = None
@@ -316,9 +317,10 @@ def range_of_pairs(
             else:
                 along = dvx * nx + dvy * ny
                 across = dvy * nx - dvx * ny
-                # as in 3D: the change of the distance, to third order; a turn by t moves b by d sin(t) across n
+                # as in 3D: what the distance has changed by; a turn by t moves b by d sin(t) across n
                 half = 0.5 * time_step * inverse
-                approach = (half * (along * along + across * across) - along) * (1.0 + along * half) * time_step
+                swept = along - half * (along * along + across * across)
+                approach = -parting_velocity(swept, half) * time_step
                 az = rows[a + SPIN]
                 bz = rows[b + SPIN]
                 turn = 0.5 * (az + bz) * time_step

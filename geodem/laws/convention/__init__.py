@@ -12,8 +12,8 @@ A convention offers ``NAME``, the constants
   first forces act on them for half a step;
 - ``AT_MIDDLE``: local damping looks at the velocity in the middle of the step;
 
-and the scalar functions ``branches``, ``wall_branches``, ``relative_motion``, ``half_turn``, ``spin_about`` and
-``transported``.
+and the scalar functions ``branches``, ``wall_branches``, ``parting_velocity``, ``relative_motion``, ``half_turn``,
+``spin_about`` and ``transported``.
 """
 
 from __future__ import annotations
@@ -25,5 +25,13 @@ from . import geodem, liggghts, yade, yade_plain
 CONVENTIONS: dict[str, ModuleType] = {module.NAME: module for module in (geodem, yade, yade_plain, liggghts)}
 """By name; all but geodem's own are for spheres."""
 
-FUNCTIONS = ("branches", "wall_branches", "relative_motion", "half_turn", "spin_about", "transported")
+FUNCTIONS = (
+    "branches",
+    "wall_branches",
+    "parting_velocity",
+    "relative_motion",
+    "half_turn",
+    "spin_about",
+    "transported",
+)
 """Functions that the loops call; they call nothing but math."""

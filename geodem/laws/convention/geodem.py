@@ -7,6 +7,8 @@ contact remembers keeps its size and stays across the normal to second order.
 
 from __future__ import annotations
 
+import math
+
 NAME = "geodem"
 VELOCITIES_BEFORE = False
 AT_MIDDLE = False
@@ -21,6 +23,14 @@ def branches(distance, radius_a, radius_b):
 def wall_branches(distance, radius):
     """The same of a sphere that touches a wall, and the arm of the force on the sphere [m]."""
     return 1.0, distance, distance
+
+
+def parting_velocity(swept, half):
+    """Change of the distance over the step: from swept = (d1^2 - d0^2)/(2 d1 lapse) and half = lapse/(2 d1).
+
+    What a law adds up from step to step is then that of the distance itself, exactly: (d1 - d0)/lapse.
+    """
+    return 2.0 * swept / (1.0 + math.sqrt(abs(1.0 - 4.0 * swept * half)))
 
 
 def relative_motion(distance, nx, ny, nz, dvx, dvy, dvz, along, enlarged, wx, wy, wz, turned, lapse):
@@ -38,10 +48,13 @@ def relative_motion(distance, nx, ny, nz, dvx, dvy, dvz, along, enlarged, wx, wy
     vx = dvx - chord * (wy * mz - wz * my)
     vy = dvy - chord * (wz * mx - wx * mz)
     vz = dvz - chord * (wx * my - wy * mx)
-    # over the mean of both distances, and one over m.n, both to second order
-    shorter = 1.0 + along * half
-    out = (vx * nx + vy * ny + vz * nz) * shorter
-    return (dvx * mx + dvy * my + dvz * mz) * shorter, vx - out * mx, vy - out * my, vz - out * mz
+    # m over m.n, to second order: exactly n where the line of centres does not turn
+    lx = nx - (dvx - along * nx) * half
+    ly = ny - (dvy - along * ny) * half
+    lz = nz - (dvz - along * nz) * half
+    out = vx * nx + vy * ny + vz * nz
+    parting = parting_velocity(dvx * mx + dvy * my + dvz * mz, half)
+    return parting, vx - out * lx, vy - out * ly, vz - out * lz
 
 
 def half_turn(dx, dy, dz, distance, nx, ny, nz, dvx, dvy, dvz, along, lapse):

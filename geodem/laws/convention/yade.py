@@ -27,6 +27,11 @@ def wall_branches(distance, radius):
     return 2.0 * radius / (radius + distance), radius, 0.5 * (radius + distance)
 
 
+def parting_velocity(swept, half):
+    """As it is: first order in the step."""
+    return swept
+
+
 def relative_motion(distance, nx, ny, nz, dvx, dvy, dvz, along, enlarged, wx, wy, wz, turned, lapse):
     """Velocities of approach, negative, and of slip: those of the middle of the step against the normal at its end."""
     return (

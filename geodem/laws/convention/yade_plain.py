@@ -5,9 +5,17 @@ Slip is measured where the surfaces meet, as geodem does; all else as in `geodem
 
 from __future__ import annotations
 
-from .yade import half_turn, relative_motion, spin_about, transported
+from .yade import half_turn, parting_velocity, relative_motion, spin_about, transported
 
-__all__ = ["branches", "half_turn", "relative_motion", "spin_about", "transported", "wall_branches"]
+__all__ = [
+    "branches",
+    "half_turn",
+    "parting_velocity",
+    "relative_motion",
+    "spin_about",
+    "transported",
+    "wall_branches",
+]
 
 NAME = "yade-plain"
 VELOCITIES_BEFORE = True
