@@ -79,8 +79,8 @@ def test_progress_without_a_terminal_is_plain_lines(tmp_path):
     assert "\x1b" not in done.stdout
     assert re.search(
         r"^search: strength-reduction on 500 particles\n"
-        r"  above 1\.0000 after 1 trial, about \d[.\d]* (s|min) left\n"
-        r"  between 1\.0000 and 1\.3000 after 2 trials, about \d[.\d]* (s|min) left\n",
+        r"  above 1\.0000 after 1 trial, about \d[.\d]* (s|min) left, \d[.\d]* (s|min) at most\n"
+        r"  between 1\.0000 and 1\.3000 after 2 trials, about \d[.\d]* (s|min) left, \d[.\d]* (s|min) at most\n",
         done.stdout,
         re.MULTILINE,
     ), done.stdout
