@@ -15,7 +15,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from .fuzzing_families import FAMILIES, fuzz, longest
+from .fuzzing_families import FAMILIES, fuzz, longest, prepare
 from .fuzzing_judge import MEMORY, ROOT, Finding, Judge, limited
 from .rows import Row, at_most
 
@@ -79,8 +79,7 @@ def measured(family: str, count: int, seed: int) -> tuple[Judge, float]:
     """A family in this process; the growth of its resident memory [B]."""
     with tempfile.TemporaryDirectory() as name:
         judge = Judge(family, longest(family))
-        # what is loaded once and kept is no input's
-        fuzz(Judge(family, longest(family)), Path(name) / "first", 5, seed + 1)
+        prepare(family, Path(name) / "first")
         before = _highest()
         with limited():
             fuzz(judge, Path(name) / "then", count, seed)

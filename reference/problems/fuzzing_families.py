@@ -58,6 +58,18 @@ def fuzz(judge: Judge, folder: Path, count: int, number: int) -> None:
         one()
 
 
+def prepare(family: str, folder: Path) -> None:
+    """Load what is loaded once and kept, which is no input's; libraries that draw end a process that lacks memory."""
+    if family != "checks":
+        fuzz(Judge(family), folder, 5, 1)
+        return
+    fuzzing_files.write_sources(folder)
+    _, read = _checks(folder)
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        for number, text in enumerate(fuzzing_kinds.SEEDS):
+            read((number, text))
+
+
 def longest(family: str) -> float:
     """Longest time that an input of a family may take [s of the processor]."""
     return CHECKING if family == "checks" else SECONDS
