@@ -20,8 +20,8 @@ from .fuzzing_judge import MEMORY, ROOT, Finding, Judge, limited
 from .rows import Row, at_most
 
 COUNTS = {
-    "cases": 3500, "kinds": 2500, "checks": 200, "case text": 1500, "tables of runs": 300,
-    "materials": 800, "pictures": 100, "meshes": 1500, "terrains": 1000,
+    "cases": 2500, "kinds": 2500, "checks": 120, "case text": 1500, "tables of runs": 300,
+    "materials": 800, "pictures": 60, "meshes": 1500, "terrains": 1000,
     "checkpoints": 600, "histories": 300, "results": 300, "fillings": 150,
 }  # fmt: skip
 """Inputs of each family."""
