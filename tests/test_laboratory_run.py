@@ -277,8 +277,8 @@ def test_time_left_is_that_of_the_longest_line(place):
     assert math.isnan(forecast.left([(first, 4.0, Told())], [], 1)), (
         "nothing has ended, nothing is well under way"
     )
-    # a quarter of the first took 4 s, a second of which went into compiling
-    under_way = (first, 4.0, Told(share=0.25, compiled=1.0))
+    # a quarter of one is done, at a pace of 12 s for the whole
+    under_way = (first, 4.0, Told(share=0.25, whole=12.0))
     assert forecast.left([under_way], [first], 1) == pytest.approx(9.0 + 12.0)
     forecast.learn(first, 10.0)
     assert forecast.left([], [first] * 3, 2) == pytest.approx(20.0)

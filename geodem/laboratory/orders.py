@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -33,6 +34,9 @@ TEST = CheckpointFormat(
     "Take it away: the test is then made again",
 )
 
+
+SURE = 0.05
+"""Share of a test over which its pace is taken at least."""
 
 BEFORE = 0.1
 """Making the specimen, its elastic state and the pilot take as long as this share of the steps to the peak."""
@@ -193,8 +197,8 @@ class Told(NamedTuple):
         [-], [Pa]; nan until it has begun.
     share : float
         Of its steps that are done, if its peak is where it is expected; may grow beyond 1.
-    compiled : float
-        Seconds of its time that went into compiling.
+    whole : float
+        Seconds that all its steps take, by the pace since it told first; nan while that is short.
     compiling : float
         Seconds that the kernel takes that is being compiled now, about; nan where none is.
     """
@@ -202,18 +206,25 @@ class Told(NamedTuple):
     strain: float = math.nan
     stress: float = math.nan
     share: float = math.nan
-    compiled: float = 0.0
+    whole: float = math.nan
     compiling: float = math.nan
 
 
 def perform(order: TestOrder, say: Callable[[Told], None]) -> FinishedTest:
     """`carry_out` for a process of its own: what is told is told together, and errors name the test."""
-    from .._jit import compile_seconds, told_of_compiling
+    from .._jit import told_of_compiling
 
-    before, length = compile_seconds(), KINDS[order.kind].length
+    length = BEFORE + KINDS[order.kind].length
+    begun: list[tuple[float, float]] = []
 
     def watch(strain: float, stress: float, way: float) -> None:
-        say(Told(strain, stress, (BEFORE + way) / (BEFORE + length), compile_seconds() - before))
+        share, now = (BEFORE + way) / length, time.perf_counter()
+        if not begun:
+            # starting a process, making the specimen and the pilot are no part of the pace
+            begun.append((share, now))
+        first, at = begun[0]
+        whole = (now - at) / (share - first) if share - first > SURE else math.nan
+        say(Told(strain, stress, share, whole))
 
     try:
         with told_of_compiling(lambda seconds: say(Told(compiling=seconds))):

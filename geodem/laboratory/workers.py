@@ -20,9 +20,6 @@ from .processes import Processes, Task
 OVERDUE = 0.05
 """Share of its time that a test is said to need still when it should have ended already."""
 
-SURE = 0.1
-"""Share of a test from which on it tells how long it takes."""
-
 
 @dataclass(frozen=True)
 class Overview:
@@ -114,9 +111,9 @@ class Workers:
         for what, number, test in self.processes.events(tasks, self.stop_asked):
             last = None
             if what == "done":
-                took = next(running.seconds for running in self.processes.running() if running.task == number)
                 done[open_[number]] = last = test
-                self._pace.learn(test.order, took - test.compile_seconds)
+                # without the start of a process, which the next test needs not
+                self._pace.learn(test.order, test.seconds)
                 if self.folder is not None:
                     write_test(self.folder / test.order.file, test)
             self._tell(orders, done, open_, begun, last)
@@ -166,10 +163,9 @@ class Forecast:
         if not (running or waiting):
             return 0.0
         known = dict(self.took)
-        for order, since, told in running:
-            if order.kind not in self.took and told.share > SURE:
-                each = (since - told.compiled) / min(told.share, 1.0) / order.cost()
-                known.setdefault(order.kind, []).append(each)
+        for order, _, told in running:
+            if order.kind not in self.took and not math.isnan(told.whole):
+                known.setdefault(order.kind, []).append(told.whole / order.cost())
         if not known:
             return math.nan
         ends = [self._rest(order, since, told, known) for order, since, told in running]
