@@ -9,6 +9,7 @@ from types import ModuleType
 from .problems import (
     arrays,
     cantilever,
+    caving,
     cutting,
     dice2d,
     dice2d_cavern,
@@ -55,6 +56,7 @@ HELP = "run a group of problems, print every figure beside its bound, store the 
 PROBLEMS: dict[str, ModuleType] = {
     "arrays": arrays,
     "cantilever": cantilever,
+    "caving": caving,
     "cutting": cutting,
     "dice2d": dice2d,
     "disc-friction": disc_friction,
