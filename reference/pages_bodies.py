@@ -62,6 +62,11 @@ GROUPS = (
         "agreement with the formulae is then one of a chosen speed.",
     ),
     Group(
+        "cutting-clay",
+        "Cutting ground that flows",
+        "CLAYTEXT",
+    ),
+    Group(
         "dice2d-slope",
         "DICE2D's slope",
         "A slope over a weak layer as gravity grows, without and with bolts (Zhao 2015, section 4.3.3), rebuilt from "

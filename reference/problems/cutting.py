@@ -156,7 +156,7 @@ def line_rows(name: str, cuts: Mapping[float, Group], what: str, words: str) -> 
     slope, intercept = np.polyfit(depth, force, 1)
     missed = float(((force - slope * depth - intercept) ** 2).sum() / ((force - force.mean()) ** 2).sum())
     between = float(np.mean([scatter(group, what) for group in cuts.values()]))
-    told = f"{LINEAR}; {len(SEEDS)} packings a depth, which scatter by {100.0 * between:.0f} %"
+    told = f"{LINEAR}; {len(next(iter(cuts.values())))} packings a depth, which scatter by {100.0 * between:.0f} %"
     over = float(intercept / force[-1])
     return [
         Row(name, f"R2 of the line through {words} (difference)", 1.0 - missed, 1.0, -missed, 0.05,
