@@ -10,7 +10,7 @@ FEWEST_PASSAGES = 20.0
 rather than hit."""
 
 CALM = 0.3
-"""Local damping above which mean forces grow with it."""
+"""Local damping above which it is told that mean forces grow with it: at 0.8 they are twice those at 0.3."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Pace:
             )
         if damping > CALM:
             found.append(
-                f"local_damping is {damping:g}: it resists what flies off and what is crushed, and mean forces grow "
-                f"with it. Up to {CALM:g} they hardly do."
+                f"local_damping is {damping:g}: it resists what flies off and what flows, and mean forces grow with "
+                f"it. Try {CALM:g} and less."
             )
         return found
