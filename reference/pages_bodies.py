@@ -102,6 +102,17 @@ GROUPS = (
         "strength (Martin 1997). Twenty cracks come later than that sum says: cracks of a specimen bring others "
         "about, those of twenty grains hardly.",
     ),
+    Group(
+        "caving",
+        "Caving ground",
+        "Dry discs, 60 wide and 66 deep, are drawn through an opening of eight: velocities downwards are Gauss curves "
+        "that widen upwards as those of Nedderman and Tuzun do, with one length B, and what is drawn comes from the "
+        "zone that follows from them. B grows a little upwards, so the zone is somewhat lower and wider. Then the "
+        "workflows block_caving and longwall: bonded rock on a held floor, which does not break under its weight, "
+        "caves where it is undercut. How much it swells is measured in boxes within it. Discs swell little: in a plane "
+        "they lie dense however they fall, and behind a long wall they come down in beds; so the surface there sinks "
+        "by more of the seam than over real rock.",
+    ),
 )
 
 
