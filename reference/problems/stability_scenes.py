@@ -125,13 +125,16 @@ def weak(bond: str) -> dict[str, float]:
     return {name: 1.0 if value == _STRONG else value for name, value in BONDS[bond].items()}
 
 
-def shaken_lattice(contact: str, bond: str | None, dimension: int, kind: str) -> Assembly:
-    """A periodic lattice, pressed where nothing bonds it, whose particles get random velocities and spins."""
+def shaken_lattice(contact: str, bond: str | None, dimension: int, kind: str, **changed: float) -> Assembly:
+    """A periodic lattice, pressed where nothing bonds it, whose particles get random velocities and spins.
+
+    `changed` parameters are the contact's.
+    """
     gap = 0.0 if bond else -2.0 * CLOSED * RADIUS
     packing = lattice(kind, RADIUS, cells=LATTICES[dimension][kind], gap=gap)
 
     def built(velocity: np.ndarray, spin: np.ndarray) -> Assembly:
-        build = builder_of(dimension, contact, bond)
+        build = builder_of(dimension, contact, bond, **changed)
         build.set_cell(packing.box)
         build.add_particles(packing.positions, packing.radii, "grain", velocity=velocity, spin=spin)
         if bond:

@@ -41,8 +41,8 @@ def force(
 ):  # fmt: skip
     """Forces after a step, with the contact's radius a = sqrt(R* u), 1/R* = 1/ra + 1/rb.
 
-    Fn = 4/3 E* a u, E* = E/(2 (1 - nu^2)); Fs = c Fs + 8 G* a slip, G* = E/(4 (2 - nu)(1 + nu)), where c = a over the
-    last a while it shrinks, else 1; |Fs| <= mu Fn.
+    Fn = 4/3 E* a u, E* = E/(2 (1 - nu^2)); Fs = c Fs + 8 G* b slip, G* = E/(4 (2 - nu)(1 + nu)). While a shrinks
+    c = a over the last a, b = a; else c = 1, b = their mean; |Fs| <= mu Fn.
 
     Returns
     -------
@@ -56,8 +56,13 @@ def force(
     pressed = overlap if overlap > 0.0 else 0.0
     radius = math.sqrt(radius_a * radius_b / (radius_a + radius_b) * pressed)
     normal = 4.0 / 3.0 * normal_modulus * radius * pressed
-    spring = 8.0 * shear_modulus * radius
-    shrunk = math.sqrt(pressed / last_overlap) if pressed < last_overlap else 1.0
+    # what is added in a step sees the contact grow from the last radius; while it shrinks all is scaled to the new one
+    last = last_overlap if last_overlap > 0.0 else 0.0
+    grows = pressed >= last
+    larger = pressed if grows else last
+    ratio = math.sqrt((last if grows else pressed) / larger) if larger > 0.0 else 1.0
+    shrunk = 1.0 if grows else ratio
+    spring = 8.0 * shear_modulus * radius * (0.5 + 0.5 * ratio if grows else 1.0)
     x = shrunk * shear_x + spring * slip_x
     y = shrunk * shear_y + spring * slip_y
     z = shrunk * shear_z + spring * slip_z

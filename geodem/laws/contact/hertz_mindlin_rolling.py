@@ -45,8 +45,9 @@ def force(
 ):  # fmt: skip
     """Forces and moments after a step, with the contact's radius a = sqrt(R* u), 1/R* = 1/ra + 1/rb.
 
-    Fn = 4/3 E* a u, E* = E/(2 (1 - nu^2)); with ks = 8 G* a, G* = E/(4 (2 - nu)(1 + nu)): Fs = c Fs + ks slip,
-    Mr = c Mr + ks R*^2 bend, Mt = c Mt + ks R*^2 twist, where c = a over the last a while it shrinks, else 1;
+    Fn = 4/3 E* a u, E* = E/(2 (1 - nu^2)); with ks = 8 G* b, G* = E/(4 (2 - nu)(1 + nu)): Fs = c Fs + ks slip,
+    Mr = c Mr + ks R*^2 bend, Mt = c Mt + ks R*^2 twist. While a shrinks c = a over the last a, b = a; else c = 1, b =
+    their mean;
     |Fs| <= mu Fn, |Mr| <= mu_r R* Fn, |Mt| <= mu_t R* Fn.
 
     Returns
@@ -64,8 +65,13 @@ def force(
     curvature = radius_a * radius_b / (radius_a + radius_b)
     radius = math.sqrt(curvature * pressed)
     normal = 4.0 / 3.0 * normal_modulus * radius * pressed
-    spring = 8.0 * shear_modulus * radius
-    shrunk = math.sqrt(pressed / last_overlap) if pressed < last_overlap else 1.0
+    # what is added in a step sees the contact grow from the last radius; while it shrinks all is scaled to the new one
+    last = last_overlap if last_overlap > 0.0 else 0.0
+    grows = pressed >= last
+    larger = pressed if grows else last
+    ratio = math.sqrt((last if grows else pressed) / larger) if larger > 0.0 else 1.0
+    shrunk = 1.0 if grows else ratio
+    spring = 8.0 * shear_modulus * radius * (0.5 + 0.5 * ratio if grows else 1.0)
     x = shrunk * shear_x + spring * slip_x
     y = shrunk * shear_y + spring * slip_y
     z = shrunk * shear_z + spring * slip_z

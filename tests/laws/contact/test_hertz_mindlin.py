@@ -42,6 +42,22 @@ def test_the_shear_force_shrinks_with_the_contact_and_does_not_grow_with_it():
     assert pair.step(no_motion(approach=0.75e-4)).shear[0] == pytest.approx(0.5 * charged, rel=1e-12)
 
 
+def test_shear_that_grows_with_the_load_is_of_second_order():
+    """Slip in proportion to the overlap: Fs is the integral of 8 G* sqrt(R* u) ds, 2/3 of it at the last radius."""
+    errors = []
+    for steps in (20, 40):
+        pair = Pair(hertz_mindlin, STICKY, 3, radii=RADII)
+        pair.step(no_motion(approach=0.25e-4))
+        for _ in range(steps):
+            force = pair.step(
+                no_motion(approach=0.75e-4 / steps, slip=np.array([0.75e-6 / steps, 0.0, 0.0]))
+            ).shear[0]
+        exact = 8.0 * 75e9 / 9.0 * 1e-3 * 1e-6 * 2.0 / 3.0 * (1.0 - 0.25**1.5)
+        errors.append(abs(force / exact - 1.0))
+    assert errors[1] < 1e-4
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.02)
+
+
 def test_sheared_under_load_and_back_without_it_gives_no_energy():
     """Charged at the stiffness ks, given back at ks/2: half of the shear energy is lost, and not won."""
     pair = Pair(hertz_mindlin, STICKY, 3, radii=RADII)
