@@ -7,7 +7,6 @@ Photographs and other grey pictures are cut into classes by `geodem.builders.seg
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -19,6 +18,7 @@ from geodem.builders.grid_body import GridBody, cell_sides, grid_body
 from geodem.builders.image_labels import TRANSPARENT, label_image, parse_colour
 from geodem.builders.image_pixels import read_pixels
 from geodem.builders.segmentation import upright
+from geodem.builders.vtk_image import read_vtk_image
 from geodem.errors import InputError
 
 Bytes = NDArray[np.uint8]
@@ -231,32 +231,18 @@ def grid_from_vtk(
         A file that is missing or holds no image data, an array that is missing, thresholds out of order, another
         number of materials than they part.
     """
-    import pyvista
-
     source = Path(path)
     shown = str(path)
     if not source.is_file():
         raise InputError("grid", "there is no such file", "Mend the path.", value=shown)
     if source.suffix.lower() not in (".vti", ".vtk"):
         raise InputError("grid", "this is no .vti or .vtk file", "Give image data.", value=shown)
-    try:
-        # VTK prints what it makes of a broken file and goes on with nothing; pyvista warns
-        with warnings.catch_warnings(), pyvista.VtkErrorCatcher(raise_errors=True, send_to_logging=False):
-            warnings.simplefilter("error")
-            image = pyvista.read(source)
-    except Exception as error:
-        why = " ".join(str(error).split())[:200]
-        raise InputError("grid", f"the file is damaged ({why})", "Save it again.", value=shown) from None
-    if not isinstance(image, pyvista.ImageData):
+    image = read_vtk_image(source, shown)
+    if scalars is None and len(image.names) == 1:
+        scalars = image.names[0]
+    if scalars not in image.names:
         raise InputError(
-            "grid", f"the file holds {type(image).__name__}, not image data", "Resample it to a grid.",
-            value=shown,
-        )  # fmt: skip
-    if scalars is None and len(image.array_names) == 1:
-        scalars = image.array_names[0]
-    if scalars not in image.array_names:
-        raise InputError(
-            "grid, scalars", "there is no such array", f"Known: {', '.join(image.array_names) or 'none'}.",
+            "grid, scalars", "there is no such array", f"Known: {', '.join(image.names) or 'none'}.",
             value=scalars,
         )  # fmt: skip
     cuts = np.asarray(thresholds, dtype=np.float64)
@@ -267,14 +253,14 @@ def grid_from_vtk(
             "grid, materials", f"{len(cuts)} thresholds part {len(cuts) + 1} materials",
             "Give a name or None for each.", value=list(materials),
         )  # fmt: skip
-    at_points = scalars in image.point_data
-    values = np.asarray(image.point_data[scalars] if at_points else image.cell_data[scalars])
+    at_points = scalars in image.points
+    values = image.points[scalars] if at_points else image.cells[scalars]
     if values.ndim != 1:
         raise InputError("grid, scalars", "the array holds vectors", "Give one of numbers.", value=scalars)
-    sides = np.array(image.spacing)
-    start = np.array(image.bounds)[::2] - (0.5 * sides if at_points else 0.0)
-    shape = np.array(image.dimensions) - (0 if at_points else 1)
-    flat = np.flatnonzero(np.array(image.dimensions) == 1)
+    sides = image.spacing
+    start = image.corner - (0.5 * sides if at_points else 0.0)
+    shape = image.dimensions - (0 if at_points else 1)
+    flat = np.flatnonzero(image.dimensions == 1)
     names = tuple(dict.fromkeys(name for name in materials if name is not None))
     number = np.array([OUTSIDE if name is None else names.index(name) for name in materials])
     labels = number[np.digitize(values, cuts)].reshape(np.maximum(shape, 1), order="F")

@@ -365,7 +365,9 @@ def test_random_mosaics_fit_together(tmp_path):
 
 def test_a_large_picture_takes_little_memory():
     """Beside the result of 3 bytes a pixel a table of all 256^3 colours; sorting pixels takes 40 bytes each."""
-    pixels = Pixels(np.zeros((2000, 2000, 3), dtype=np.uint8), np.full((2000, 2000), 255, dtype=np.uint8), False)
+    pixels = Pixels(
+        np.zeros((2000, 2000, 3), dtype=np.uint8), np.full((2000, 2000), 255, dtype=np.uint8), False
+    )
     tracemalloc.start()
     try:
         classes, sure = nearest(pixels, np.array([[0, 0, 0], [255, 255, 255], [0, 0, 0]]), 16.0)

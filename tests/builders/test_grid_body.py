@@ -241,6 +241,20 @@ def test_files_that_are_no_image_data_are_refused(tmp_path):
         read(picture(tmp_path / "a.png", np.zeros((6, 6))))
 
 
+def test_a_file_that_ends_the_process_that_reads_it_is_refused(tmp_path):
+    """4294967295 compressed blocks: VTK asks for the memory, and aborts."""
+    import pyvista
+
+    image = pyvista.ImageData(dimensions=(30, 30, 30))
+    image.cell_data["one"] = np.arange(29.0**3)
+    image.save(tmp_path / "grid.vti")
+    content = (tmp_path / "grid.vti").read_bytes()
+    assert content.count(b"BgAAAACA") == 1  # 6 blocks of 32768 bytes
+    (tmp_path / "grid.vti").write_bytes(content.replace(b"BgAAAACA", b"/////wCA"))
+    with pytest.raises(InputError, match="the file is damaged"):
+        grid_from_vtk(tmp_path / "grid.vti", thresholds=[0.5], materials=("a", "b"))
+
+
 def test_a_picture_that_is_absent_or_has_no_scale_is_refused(corner, tmp_path):
     with pytest.raises(InputError, match="does not exist"):
         grid_from_image(tmp_path / "absent.png", scale=1.0, legend=LEGEND)
