@@ -45,6 +45,8 @@ STIFFNESS = 300.0  # normal stiffness of a contact over rho g H
 RESTITUTION_RATIO = 0.3  # share of critical damping of a contact
 GONE = -6.0  # below this what was drawn is taken away
 PAUSE = 2.0  # time from one look to the next
+STILL = 20.0  # time without anything drawn after which the grains over the opening have made an arch
+ARCH = 5.0  # up to this height over the opening what hangs is taken away, as hang-ups are blasted
 DRAWN = 0.25  # share of the grains that is drawn in all
 STEADY = 0.05  # share after which velocities are measured
 LEVELS = np.array([15.0, 20.0, 25.0, 30.0])
@@ -114,7 +116,7 @@ def drawn(seed: int, wide: float = WIDE, high: float = HIGH) -> Draw:
     middle = (start[:, 1] > 5.0) & (start[:, 1] < high - 10.0)
     bulk = float(mass[middle].sum()) / (wide * (high - 15.0))
     number = np.arange(len(start))
-    taken, share = 0.0, 0.0
+    taken, share, still = 0.0, 0.0, 0.0
     way, looks = np.zeros((len(LEVELS), len(EDGES) - 1)), np.zeros((len(LEVELS), len(EDGES) - 1))
     every = max(1, round(PAUSE / s.time_step))
     while share < DRAWN:
@@ -123,12 +125,15 @@ def drawn(seed: int, wide: float = WIDE, high: float = HIGH) -> Draw:
         if share > STEADY:
             _add(way, looks, before, s.positions)
         below = s.positions[:, 1] < GONE
+        if still >= STILL:
+            below |= (s.positions[:, 1] < ARCH) & (np.abs(s.positions[:, 0]) < 0.5 * OPENING)
         if below.any():
             removal = remove_particles(s, below, keep_forces=False)
             s, number = removal.simulation, number[removal.particles]
             taken += removal.mass
         out = s.positions[:, 1] < 0.0
-        share = 1.0 - float(mass[number[~out]].sum() / mass.sum())
+        last, share = share, 1.0 - float(mass[number[~out]].sum() / mass.sum())
+        still = still + PAUSE if share == last else 0.0
     gone = np.ones(len(start), dtype=bool)
     gone[number[~out]] = False
     masses = float(mass.sum()), float(s.assembly.mass.sum()), taken
