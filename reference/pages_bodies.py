@@ -109,9 +109,9 @@ GROUPS = (
         "that widen upwards as those of Nedderman and Tuzun do, with one length B, and what is drawn comes from the "
         "zone that follows from them. B grows a little upwards, so the zone is somewhat lower and wider. Then the "
         "workflows block_caving and longwall: bonded rock on a held floor, which does not break under its weight, "
-        "caves where it is undercut. How much it swells is measured in boxes within it. Discs swell little: in a plane "
-        "they lie dense however they fall, and behind a long wall they come down in beds; so the surface there sinks "
-        "by more of the seam than over real rock.",
+        "caves where it is undercut. How much it swells is measured in boxes within it: by 5 %, less than real "
+        "rock, for discs in a plane lie dense however they fall. The trough over the long wall and that swelling make "
+        "up nine tenths of the seam; the loosest rock lies at the edge of the panel, outside the box.",
     ),
 )
 
