@@ -81,10 +81,13 @@ def _read(path: str, out: str) -> int:
     arrays = {f"points:{name}": np.asarray(image.point_data[name]) for name in image.point_data}
     arrays |= {f"cells:{name}": np.asarray(image.cell_data[name]) for name in image.cell_data}
     numbers = {name: array for name, array in arrays.items() if array.dtype.kind in "biuf"}
-    np.savez(
-        out, dimensions=np.array(image.dimensions), spacing=np.array(image.spacing),
-        corner=np.array(image.bounds)[::2], **numbers,
-    )  # fmt: skip
+    held: dict[str, Any] = {
+        **numbers,
+        "dimensions": np.array(image.dimensions),
+        "spacing": np.array(image.spacing),
+        "corner": np.array(image.bounds)[::2],
+    }
+    np.savez(out, **held)
     return WHOLE
 
 

@@ -133,8 +133,8 @@ def run() -> list[Row]:
         rows.append(_row(ground.name, "the peaks over depth", peaks, expected, 0.0, told))
     rocks = [ground.line() for ground in found if ground.strength]
     lengths = np.concatenate([line.lengths for line in rocks])
-    peaks = np.concatenate([line.peaks for line in rocks])
-    through = float(np.polyfit(np.log(lengths), np.log(peaks), 1)[0])
+    all_peaks = np.concatenate([line.peaks for line in rocks])
+    through = float(np.polyfit(np.log(lengths), np.log(all_peaks), 1)[0])
     span = f"all rocks, {lengths.min():.2g} to {lengths.max():.3g} lengths deep"
     rows.append(_row(span, "the peaks over depth and strength", through, -0.5, 0.0, BRITTLE))
     draw([ground.line() for ground in found])

@@ -134,7 +134,7 @@ def shaken_lattice(contact: str, bond: str | None, dimension: int, kind: str, **
     packing = lattice(kind, RADIUS, cells=LATTICES[dimension][kind], gap=gap)
 
     def built(velocity: np.ndarray, spin: np.ndarray) -> Assembly:
-        build = builder_of(dimension, contact, bond, **changed)
+        build = builder_of(dimension, contact, bond, None, **changed)
         build.set_cell(packing.box)
         build.add_particles(packing.positions, packing.radii, "grain", velocity=velocity, spin=spin)
         if bond:
