@@ -121,7 +121,11 @@ def stored_energy(s: ParticleSimulation) -> float:
         length = np.sqrt(((s.positions[anchors.particle] - anchors.point) ** 2).sum(axis=1))
         total += 0.5 * float((anchors.stiffness * (length - anchors.length) ** 2).sum())
     if s.assembly.walls:
-        total += 0.5 * (float(s.sums[:, motion.THRUST].sum()) * slowest_contact(s)) ** 2 / float(s.assembly.mass.max())
+        total += (
+            0.5
+            * (float(s.sums[:, motion.THRUST].sum()) * slowest_contact(s)) ** 2
+            / float(s.assembly.mass.max())
+        )
     return total
 
 

@@ -108,7 +108,9 @@ def test_energy_out_of_nothing_is_told(energy):
 
 def test_motion_that_rounding_makes_is_no_explosion():
     """Far from the origin places are rounded to 1e-11 m: springs that hold nothing shake with what that is worth."""
-    hexagon = [(2.0 * RADIUS * np.cos(angle), 2.0 * RADIUS * np.sin(angle)) for angle in np.arange(6) * np.pi / 3.0]
+    hexagon = [
+        (2.0 * RADIUS * np.cos(angle), 2.0 * RADIUS * np.sin(angle)) for angle in np.arange(6) * np.pi / 3.0
+    ]
     places = np.array([(0.0, 0.0), *hexagon]) * (1.0 - 1e-9) + [1e5 + 1.0 / 3.0, 1e5 + 1.0 / 7.0]
     s = discs(places, gravity=(0.0, 0.0), floor=False, local_damping=0.0)
     s.guard.every = 1000

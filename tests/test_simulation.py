@@ -200,7 +200,11 @@ def test_every_array_of_the_state_is_in_the_table(ground):
     assert set(state.arrays()) == {field.name for field in FIELDS}
     arrays = {name for name, value in vars(state).items() if isinstance(value, np.ndarray)}
     assert arrays == {field.name for field in FIELDS}
-    rows = {"(particles, 2)": (ground.particles, 2), "(stress points,)": (ground.stress_points,), "(links, 3)": (0, 3)}
+    rows = {
+        "(particles, 2)": (ground.particles, 2),
+        "(stress points,)": (ground.stress_points,),
+        "(links, 3)": (0, 3),
+    }
     for field in FIELDS:
         expected = rows.get(field.shape, (ground.stress_points, 4))
         assert getattr(state, field.name).shape == expected

@@ -80,7 +80,9 @@ def parse_laboratory(text: str, folder: Path) -> LaboratoryCase:
     seed = head.seed(DEFAULT_SEED)
     seeds = top.integer("seeds", smallest=1, remedy="Write a whole number such as 4.")
     if seeds is not None and seeds > MOST_SEEDS:
-        top.error("seeds", "so many specimens of each test take years", "Write 4; a mean is known well with 30.")
+        top.error(
+            "seeds", "so many specimens of each test take years", "Write 4; a mean is known well with 30."
+        )
     if "seeds" not in top:
         seeds = DEFAULT_SEEDS
         findings.default("seeds", str(seeds))

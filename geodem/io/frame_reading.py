@@ -59,4 +59,6 @@ def read_frame(path: Path | str, *, dimension: int = 2) -> ParticleFrame:
                 np.asarray(data["velocity [m per s]"], dtype=np.float64)[:, :dimension],
             )
     except (OSError, KeyError, ValueError) as error:
-        raise InputError(str(path), f"this is no frame of particles ({error})", "Run the case again.") from error
+        raise InputError(
+            str(path), f"this is no frame of particles ({error})", "Run the case again."
+        ) from error

@@ -118,7 +118,9 @@ def test_what_is_wrong_is_named_with_its_remedy(old, new, place, words):
 
 def test_what_looks_mistaken_is_refused_without_errors_that_follow_from_it():
     (error,) = errors_of(changed('thickness = "20 cm"', 'thickness = "20 m"'))
-    assert error.startswith("lining[0].thickness: no lining is as thick or thin as this. Usual are 1 mm to 5 m")
+    assert error.startswith(
+        "lining[0].thickness: no lining is as thick or thin as this. Usual are 1 mm to 5 m"
+    )
     (error,) = errors_of(changed("increments = 4", "increments = 1000000000"))
     assert error.startswith("increments: so many take days")
 
@@ -179,7 +181,9 @@ def test_a_picture_is_dug_into_as_polygons_are(tmp_path):
     picture = Image.new("RGB", (120, 88), "#8c6d31")
     picture.paste("#5f7f9f", (0, 44, 120, 88))
     picture.save(tmp_path / "section.png")
-    regions = 'section.regions = [{material = "clay", polygon = [[-15, -10], [15, -10], [15, 12], [-15, 12]]}]'
+    regions = (
+        'section.regions = [{material = "clay", polygon = [[-15, -10], [15, -10], [15, 12], [-15, 12]]}]'
+    )
     image = (
         'section = {image = "section.png", scale = "0.25 m/px", origin = [-15, -11], '
         'legend = {"#8c6d31" = "clay", "#5f7f9f" = "rock"}}'
