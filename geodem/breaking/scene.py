@@ -193,7 +193,7 @@ def build_scene(
     )
 
 
-LOOSE = 'Hold them, or bond them to what is held; or leave [initial_stress] out and begin with a stage of kind = "settle"'
+LOOSE = 'Hold or bond them to what is held; or leave [initial_stress] out and begin with a stage of kind = "settle"'
 """What to do about particles that keep ground from its initial stress."""
 
 
