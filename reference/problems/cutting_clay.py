@@ -42,8 +42,8 @@ MANY = tuple(range(1, 25))
 SEEDS = MANY[:6]
 FEW = MANY[:3]
 ROCK = MANY[:2]
-"""Packings of clay at every depth, of clay at another speed or damping, at other rakes, of weak rock. One packing's mean
-over the way of a few depths scatters by 44 %, so that six leave 18 % at every point of the line: more than R2 lets."""
+"""Packings of clay at every depth, of clay at another speed or damping, at other rakes, of weak rock. One packing's
+mean over the way of a few depths scatters by 44 %: six leave 18 % at every point of the line, more than R2 lets."""
 RAKES = (-15.0, 0.0, 15.0, 30.0)
 SPEED = 1.0
 """[m/s]: of a wave 300 m/s, and about 15 passages of it through the depth until the force is up."""
