@@ -64,23 +64,24 @@ GROUPS = (
     Group(
         "cutting-clay",
         "Cutting ground that flows",
-        "Ground whose grains stick wherever they touch, four times as much against pull as against shear, shears "
-        "into a chip that runs up the face. The force falls off in a sixth of the looks only, falls with the rake, "
-        "and changes less with half the speed than from packing to packing. Over 24 packings a depth its peaks lie "
-        "along a line with the depth; its means rise less than in proportion, from two grains deep to six, so that "
-        "their line and the specific energy miss their bounds. A local damping of 0.8 nearly doubles the mean: damping "
-        "resists what flows, too. Where the face is slid on, which is told from motion alone, the direction of the "
-        "force is that of friction, in clay and in weak rock, at every rake; what sticks to the face bears the rest, most at -15 degrees.",
+        "Ground whose grains stick wherever they touch, four times as much against pull as against shear, "
+        "shears into a chip that runs up the face. The force falls off in a sixth of the looks only, falls "
+        "with the rake, and changes less with half the speed than from packing to packing. Over 24 packings a"
+        " depth its peaks lie along a line with the depth; its means rise less than in proportion, from two "
+        "grains deep to six, so that their line and the specific energy miss their bounds. A local damping of"
+        " 0.8 nearly doubles the mean: damping resists what flows, too. Where the face is slid on, which is "
+        "told from motion alone, the direction of the force is that of friction, in clay and in weak rock, at"
+        " every rake; what sticks to the face bears the rest, most at -15 degrees.",
     ),
     Group(
         "cutting-energy",
         "Specific energy over depth",
-        "Two packings a depth, from ground that flows to rock that chips. Peaks are 0.6 to 1 times the depth times "
-        "the compressive strength, in rock 1.3 to 550 of its lengths (toughness/strength)^2 deep: no fall with the "
-        "root of that depth is seen between rocks. Within one rock the specific energy of marl falls by the power "
-        "-0.6; that of sandstone falls from 25 to 11 MJ/m3 between 2.5 and 8 mm, but a cut of 1.25 mm, hardly more than a "
-        "grain, costs less: the tool then meets single grains, which spoils the line through all four depths. Clay and "
-        "weak rock change less than from packing to packing."
+        "Two packings a depth, from ground that flows to rock that chips. Peaks are 0.6 to 1 times the depth "
+        "times the compressive strength, in rock 1.3 to 550 of its lengths (toughness/strength)^2 deep: no "
+        "fall with the root of that depth is seen between rocks. Within one rock the specific energy of marl "
+        "falls by the power -0.6; that of sandstone falls from 25 to 11 MJ/m3 between 2.5 and 8 mm, but a cut"
+        " of 1.25 mm, hardly more than a grain, costs less: the tool then meets single grains, which spoils "
+        "the line through all four depths. Clay and weak rock change less than from packing to packing."
         "\n\n![Specific energy and peaks over depth, on log axes](pictures/cutting_energy.png)",
     ),
     Group(
