@@ -411,7 +411,7 @@ BAD_IMAGE = [
     ('"section.png"', '"sektion.png"', "section.image", "relative to the case file"),
     ('"section.png"', '"../sektion.png"', "section.image", "relative to the case file"),
     ('"section.png"', '"a\\u0000b"', "section.image", "relative to the case file"),
-    ('"section.png"', '"."', "section.image", "relative to the case file"),
+    ('"section.png"', '"."', "section.image", "Name a file"),
     ('"section.png"', '"notes.png"', "section.image", "PNG"),
     ('"section.png"', "7", "section.image", "image ="),
     ('"0.5 m/px"', '"0.5 m"', "section.scale", "0.25 m/px"),

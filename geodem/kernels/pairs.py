@@ -52,7 +52,7 @@ MASS = 7  # (7)
 SPIN = 8  # (6)
 MATERIAL = 11  # (3)
 
-SIXTH = 1.0 / 6.0
+TWELFTH = 1.0 / 12.0
 
 AHEAD = 24
 """Pairs between asking for rows and using them."""
@@ -323,8 +323,11 @@ def range_of_pairs(
                 approach = -parting_velocity(swept, half) * time_step
                 az = rows[a + SPIN]
                 bz = rows[b + SPIN]
-                turn = 0.5 * (az + bz) * time_step
-                slip_x = (across - (arm_a * az + arm_b * bz) * (1.0 - turn * turn * SIXTH)) * time_step
+                # the largest of two ends what the compiler may multiply in another order from kernel to kernel
+                turn = max(abs(az + bz) * time_step, 1e-30)
+                slip_x = (
+                    across - (arm_a * az + arm_b * bz) * math.sqrt(abs(1.0 - turn * turn * TWELFTH))
+                ) * time_step
                 bend_x = (bz - az) * time_step
             space = (
                 nx, ny, nz, ax * time_step, ay * time_step, az * time_step, bx * time_step, by * time_step,

@@ -44,7 +44,9 @@ def relative_motion(distance, nx, ny, nz, dvx, dvy, dvz, along, enlarged, wx, wy
     mx = nx - dvx * half
     my = ny - dvy * half
     mz = nz - dvz * half
-    chord = 1.0 + turned * (lapse * lapse / 48.0)
+    # the largest of two ends what the compiler may multiply in another order from kernel to kernel
+    angle = max(math.sqrt(turned) * lapse, 1e-30)
+    chord = math.sqrt(1.0 + angle * angle * (1.0 / 24.0))
     vx = dvx - chord * (wy * mz - wz * my)
     vy = dvy - chord * (wz * mx - wx * mz)
     vz = dvz - chord * (wx * my - wy * mx)
