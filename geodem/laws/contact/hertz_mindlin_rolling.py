@@ -46,9 +46,8 @@ def force(
     """Forces and moments after a step, with the contact's radius a = sqrt(R* u), 1/R* = 1/ra + 1/rb.
 
     Fn = 4/3 E* a u, E* = E/(2 (1 - nu^2)); with ks = 8 G* b, G* = E/(4 (2 - nu)(1 + nu)): Fs = c Fs + ks slip,
-    Mr = c Mr + ks R*^2 bend, Mt = c Mt + ks R*^2 twist. While a shrinks c = a over the last a, b = a; else c = 1, b =
-    their mean;
-    |Fs| <= mu Fn, |Mr| <= mu_r R* Fn, |Mt| <= mu_t R* Fn.
+    Mr = c Mr + ks R*^2 bend, Mt = c Mt + ks R*^2 twist. While a shrinks c = a over the last a, b = a; else c = 1
+    and b is their mean; |Fs| <= mu Fn, |Mr| <= mu_r R* Fn, |Mt| <= mu_t R* Fn.
 
     Returns
     -------

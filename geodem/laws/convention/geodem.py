@@ -26,7 +26,7 @@ def wall_branches(distance, radius):
 
 
 def parting_velocity(swept, half):
-    """Change of the distance over the step: from swept = (d1^2 - d0^2)/(2 d1 lapse) and half = lapse/(2 d1).
+    """Change of the distance over the step [m/s]: swept = (d1^2 - d0^2)/(2 d1 lapse), half = lapse/(2 d1) [s/m].
 
     What a law adds up from step to step is then that of the distance itself, exactly: (d1 - d0)/lapse.
     """
@@ -34,7 +34,7 @@ def parting_velocity(swept, half):
 
 
 def relative_motion(distance, nx, ny, nz, dvx, dvy, dvz, along, enlarged, wx, wy, wz, turned, lapse):
-    """Velocities of approach, negative, and of slip, from dv = vb - va, w = arm_a wa + arm_b wb, turned = |wa + wb|^2.
+    """Velocities of approach, negative, and slip [m/s]: dv = vb - va, w = arm_a wa + arm_b wb, turned = |wa + wb|^2.
 
     With m = n - dv lapse/(2 d), half the sum of the old and the new branch over the new distance, a rigid turn by the
     angle t moves b against a by 2 tan(t/2) across m: spins count by 2 tan(t/2)/t. What is along m is no slip, and what

@@ -10,9 +10,21 @@ Dyn. 12:140-152.
 
 from __future__ import annotations
 
+from .end_of_step import parting_velocity, relative_motion
+
 NAME = "liggghts"
 VELOCITIES_BEFORE = False
 AT_MIDDLE = False
+
+__all__ = [
+    "branches",
+    "half_turn",
+    "parting_velocity",
+    "relative_motion",
+    "spin_about",
+    "transported",
+    "wall_branches",
+]
 
 
 def branches(distance, radius_a, radius_b):
@@ -24,21 +36,6 @@ def branches(distance, radius_a, radius_b):
 def wall_branches(distance, radius):
     """The same of a sphere that touches a wall, to the middle of the overlap, and the arm of the force [m]."""
     return 1.0, 0.5 * (radius + distance), 0.5 * (radius + distance)
-
-
-def parting_velocity(swept, half):
-    """As it is: first order in the step."""
-    return swept
-
-
-def relative_motion(distance, nx, ny, nz, dvx, dvy, dvz, along, enlarged, wx, wy, wz, turned, lapse):
-    """Velocities of approach, negative, and of slip: those of the middle of the step against the normal at its end."""
-    return (
-        along,
-        enlarged * (dvx - along * nx) - (wy * nz - wz * ny),
-        enlarged * (dvy - along * ny) - (wz * nx - wx * nz),
-        enlarged * (dvz - along * nz) - (wx * ny - wy * nx),
-    )
 
 
 def half_turn(dx, dy, dz, distance, nx, ny, nz, dvx, dvy, dvz, along, lapse):

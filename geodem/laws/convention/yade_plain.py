@@ -5,7 +5,8 @@ Slip is measured where the surfaces meet, as geodem does; all else as in `geodem
 
 from __future__ import annotations
 
-from .yade import half_turn, parting_velocity, relative_motion, spin_about, transported
+from .end_of_step import parting_velocity, relative_motion
+from .yade import half_turn, spin_about, transported
 
 __all__ = [
     "branches",
