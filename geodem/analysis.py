@@ -27,7 +27,7 @@ from .measure.failing_zone import FailingZone, failing_zone
 from .model import Model
 from .provenance import sources_digest
 from .record import MethodRecord, write_trials
-from .run_progress import Work, together
+from .run_progress import LEAST, Work, together
 from .simulation import Simulation
 from .stability.bracket import Trial, bracket
 from .stability.criteria import Criteria
@@ -51,8 +51,8 @@ for gravity increase; and its first step."""
 
 CHECKPOINT_SECONDS = 5.0
 
-CLOSING = 2.0
-"""Time of limit equilibrium, pictures and report over that of placing the particles, as measured."""
+FILLING = 3.0
+"""Time of placing the particles of a model that is still to come over that of the first one, which is not graded."""
 
 
 class Update(NamedTuple):
@@ -64,6 +64,7 @@ class Update(NamedTuple):
     seconds_left: float = math.nan
     seconds_most: float = math.nan
     work: Work | None = None  # of all searches, steps times particles
+    each: float = math.nan  # seconds of a unit of it
 
 
 class Analysis:
@@ -78,6 +79,8 @@ class Analysis:
         Called with an `Update` after every batch of steps and at every stage.
     stop_asked : callable, optional
         Asked after every batch; True stops with a checkpoint and `StoppedError`.
+    closing : float
+        Seconds that follow the search: pictures, say. For the time left that is told.
     """
 
     def __init__(
@@ -87,9 +90,11 @@ class Analysis:
         *,
         watch: Callable[[Update], None] | None = None,
         stop_asked: Callable[[], bool] | None = None,
+        closing: float = 0.0,
     ) -> None:
         self.case = case
         self.folder = folder
+        self.closing = closing
         self.watch = watch or (lambda update: None)
         self.stop_asked = stop_asked or (lambda: False)
         self.section: Section | None = None
@@ -106,6 +111,7 @@ class Analysis:
         self._plan: list[Planned] = []
         self._done_trials: list[Trial] = []
         self._building = 0.0
+        self._to_place = 0
         self._coarse: Model | None = None
         self._coarse_count: int | None = None
         self.bracketed = False
@@ -192,9 +198,12 @@ class Analysis:
             record.coarse, record.coarse_value = [], None
         zone = None
         known = 0
-        for level in self._levels():
+        levels = self._levels()
+        for number, level in enumerate(levels):
             if level <= known:
                 continue
+            # the coarse ones that follow, and the fine one anew
+            self._to_place = len(levels) - number - 1 + (self.case.particles is not None)
             found_model = self._coarse_model(level, zone)
             if found_model is None:
                 continue
@@ -209,6 +218,7 @@ class Analysis:
             self.watch(Update("build", "placing particles where the coarse model failed"))
             self.focus = zone.ratio
             self._use(self._fill(self.case.particles, None, zone))
+        self._to_place = 0
         self.bracketed = True
         self.save()
 
@@ -335,11 +345,12 @@ class Analysis:
         if self.seconds_to_first_step is None:
             self.seconds_to_first_step = self.wall_seconds()
         work = self._work(search)
-        pace = search.pace(self._done_trials)
-        # limit equilibrium, pictures and report
-        left, most = (pace * part + CLOSING * self._building for part in (work.left, work.most))
+        known = work.done > LEAST * (work.done + work.left)
+        each = search.pace(self._done_trials) if known else math.nan
+        beside = FILLING * self._to_place * self._building + self.closing
+        left, most = (each * part + beside for part in (work.left, work.most))
         text = f"{search.method.kind} on {search.simulation.model.particles:,} particles"
-        self.watch(Update("search", text, search.progress(), left, most, work))
+        self.watch(Update("search", text, search.progress(), left, most, work, each))
 
     def _work(self, search: Search) -> Work:
         """Steps times particles of all searches; of this one, which is under way, and of those still to come."""

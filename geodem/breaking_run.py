@@ -34,7 +34,7 @@ KEEP_SECONDS = 60.0
 FRAMES = "frames"
 WRITTEN = (f"{FRAMES}/*", "failed-*/*", "figures/*.png")
 
-CLOSING = 4.0
+CLOSING = 2.7
 """Time of pictures and report, about [s]."""
 
 Watch = Callable[[RunUpdate], None]

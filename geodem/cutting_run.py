@@ -27,7 +27,7 @@ PART = "cut"
 WRITTEN = ("*.vtkhdf", "*.vtkhdf.series", "figures/*.png")
 """What a run writes beside the files of every run."""
 
-CLOSING = 4.0
+CLOSING = 1.7
 """Time of measures, pictures and report, about [s]."""
 
 Watch = Callable[[RunUpdate], None]

@@ -40,10 +40,14 @@ SEARCHING = "searching the failure"
 QUICK_DISCS = 500
 WRITTEN = ("*.vtkhdf", "*.vtkhdf.series", "figures/*.png")
 KEPT_SECONDS = 20.0
-CLOSING = 3.0
+CLOSING = 1.5
 """Time of pictures and report, about [s]."""
-FLOW_WORK = 500.0
-"""Of a flow over the square of the number of discs: steps times particles of a search that take as long."""
+FLOW_STEPS = 1500.0
+"""Steps of a flow over the root of the number of discs."""
+FLOW_WORK = 5.0, 2500.0
+"""Of a step of a flow: steps times particles of a search that take as long, for each disc and besides."""
+HAND_OVER = 0.2
+"""Time of handing over to discs over that of the flow."""
 COLUMNS = (
     "time [s]", "centre of gravity, x [m]", "centre of gravity, y [m]", "kinetic energy [J/m]",
     "potential energy [J/m]", "elastic energy [J/m]", "dissipated energy [J/m]", "front [m]",
@@ -186,7 +190,7 @@ def _search(case: RunoutCase, run: RunFolder, told: Stopping) -> tuple[Model, Me
     """The model that the failure was found on, and what was found."""
     kept = run.part("search")
     if kept is None:
-        flow = FLOW_WORK * case.runout.discs**2.0
+        flow = (1.0 + HAND_OVER) * flow_work(case.runout.discs)
 
         def watch(update: Update) -> None:
             if update.work is None:
@@ -194,8 +198,7 @@ def _search(case: RunoutCase, run: RunFolder, told: Stopping) -> tuple[Model, Me
                 return
             work = together([update.work, Work(0.0, flow)])
             told.searched = work.done
-            each = update.seconds_left / update.work.left if update.work.left > 0.0 else math.nan
-            left, most = each * work.left, each * work.most
+            left, most = (update.each * part + CLOSING for part in (work.left, work.most))
             told.watch(RunUpdate("search", SEARCHING, update.text, left, most, work))
 
         told.tell("search", SEARCHING)
@@ -206,6 +209,12 @@ def _search(case: RunoutCase, run: RunFolder, told: Stopping) -> tuple[Model, Me
         run.keep("search", {"mesh": kept["mesh"], "methods": kept["methods"], "focus": kept["focus"]})
     model = make_model(case.slope, particles_from_tree(kept["mesh"]))
     return model, MethodRecord.from_tree(kept["methods"]["strength-reduction"])
+
+
+def flow_work(discs: int) -> float:
+    """Of a flow of so many discs, about, in the unit of the search for its source: steps times particles."""
+    each, besides = FLOW_WORK
+    return FLOW_STEPS * math.sqrt(discs) * (each * discs + besides)
 
 
 def _source(case: RunoutCase, model: Model, record: MethodRecord) -> Source:
@@ -258,7 +267,7 @@ def _flow(hand: HandOver, run: RunFolder, told: Stopping) -> tuple[Flow, Floats]
     first = flow.work()
     pace = Pace(compile_seconds, done=first.done, closing=CLOSING)
     # in the unit of the search
-    unit = FLOW_WORK * float(flow.moving.sum()) ** 2 / (first.done + first.left)
+    unit = flow_work(int(flow.moving.sum())) / (first.done + first.left)
     with continued_history(run.path / "history.csv", COLUMNS, flow.looks) as history:
         while not (flow.at_rest or flow.too_long):
             if told.asked():

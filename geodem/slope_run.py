@@ -22,6 +22,9 @@ from .provenance import sources_digest
 
 NEIGHBOUR_SECONDS = 60.0
 
+CLOSING = 5.0
+"""Time of limit equilibrium, pictures and report, about [s]."""
+
 
 def run_slope(
     case: Case,
@@ -74,8 +77,12 @@ def run_slope(
             value=str(out),
         )  # fmt: skip
     if standing == "same" and not overwrite:
-        return _go_on(Analysis.from_checkpoint(case, out, watch=watch, stop_asked=stop_asked), out, command)
-    analysis = Analysis(case, out, watch=watch, stop_asked=stop_asked)
+        return _go_on(
+            Analysis.from_checkpoint(case, out, watch=watch, stop_asked=stop_asked, closing=CLOSING),
+            out,
+            command,
+        )
+    analysis = Analysis(case, out, watch=watch, stop_asked=stop_asked, closing=CLOSING)
     analysis.build()
     _make_folder(out)
     if standing is not None:
@@ -104,7 +111,8 @@ def resume_slope(
         Stopped again.
     """
     set_threads(threads)
-    return _go_on(Analysis.from_checkpoint(case, folder, watch=watch, stop_asked=stop_asked), folder, command)
+    analysis = Analysis.from_checkpoint(case, folder, watch=watch, stop_asked=stop_asked, closing=CLOSING)
+    return _go_on(analysis, folder, command)
 
 
 def redraw_slope(folder: Path, case: Case) -> Path:

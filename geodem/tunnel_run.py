@@ -27,7 +27,7 @@ from .tunnel_result import assemble
 from .tunnel_view import make_view
 from .tunnelling.collapse import FIRST_STEP, make_search
 from .tunnelling.digging import Digging
-from .tunnelling.forecast import increments_of_plan, steps_left
+from .tunnelling.forecast import WITHOUT, increments_of_plan, steps_left
 from .tunnelling.ground import TunnelGround
 from .tunnelling.plan import Plan
 from .tunnelling.progress import Progress
@@ -110,8 +110,7 @@ class TunnelRun:
             ended = now.collapse is not None or now.stage >= len(digging.plan.stages)
             rest = 0.0 if ended else steps_left(now.taken, increments, particles)
             left += rest
-            # without supports it takes about as long
-            whole = now.steps + rest
+            whole = WITHOUT * (now.steps + rest)
         later = [kind for kind in self.case.methods if kind not in {*self._searches, *self.records}]
         searches = [search.work() for search in self._searches.values()]
         searches += [Planned(particles, self.case.tolerance, FIRST_STEP).work() for _ in later]

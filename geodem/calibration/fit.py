@@ -59,7 +59,8 @@ class Progress:
     seconds : float
         So far.
     seconds_left, seconds_most : float
-        If the next round that may be the last one is, and if none is before the last; nan while no specimen is done.
+        Between the end after the next round that may be the last one and after the last, and at most; nan while no
+        specimen is done.
     text : str
     """
 
@@ -310,8 +311,10 @@ def _progress(
 
     text = f"round {number} of at most {rounds}, {done} of at most {most} specimens tested"
     # the second round is the first that may be the last
-    soonest = left(min(max(number, 2), rounds))
-    return Progress(number, rounds, done, most, time.perf_counter() - begun, soonest, left(rounds), text)
+    soonest, latest = left(min(max(number, 2), rounds)), left(rounds)
+    return Progress(
+        number, rounds, done, most, time.perf_counter() - begun, 0.5 * (soonest + latest), latest, text
+    )
 
 
 def _measured(tested: Round) -> Measured:

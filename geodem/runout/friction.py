@@ -50,3 +50,9 @@ def disc_friction(friction_angle: float) -> DiscFriction:
             value=f"{asked:.4g} deg",
         )
     return DiscFriction(float(np.interp(asked, angle, sliding)), ROLLING)
+
+
+def friction_tangent(discs: DiscFriction) -> float:
+    """Tangent of the residual friction angle that discs of this friction have: `disc_friction` the other way round."""
+    sliding, angle = np.array(MEASURED).T
+    return math.tan(math.radians(float(np.interp(discs.sliding, sliding, angle))))

@@ -22,7 +22,7 @@ from ..measure.contact_energy import law_energy
 from ..particle_simulation import ParticleSimulation
 from ..preparation.settling import run_to_rest
 from .carrying import carried_masses, carried_motion, shift_to_centre
-from .friction import SHEAR_STIFFNESS, DiscFriction
+from .friction import SHEAR_STIFFNESS, DiscFriction, friction_tangent
 from .placing import Discs, place_discs
 from .source import Source
 
@@ -90,6 +90,8 @@ class HandOver:
         Mean [m].
     stiffness : float
         Normal stiffness of contacts [N/m per m].
+    friction : float
+        Tangent of the residual friction angle, the mean of the materials by their mass [-].
     unbalanced_ratio : float
     settlement : float
         Of the centre of gravity while the discs came to rest [m].
@@ -105,6 +107,7 @@ class HandOver:
     surface: Floats
     diameter: float
     stiffness: float
+    friction: float
     unbalanced_ratio: float
     settlement: float
     shift: Floats
@@ -180,9 +183,10 @@ def hand_over(
     rest = replace(placed, positions=settled + shift_to_centre(source, settled[own], mass[own]))
     assembly = _moving(source, rest, _assembly(source, rest, mass, friction, stiffness, restitution))
     simulation = ParticleSimulation(assembly, orientation=True)
+    tangent = float(np.average([friction_tangent(own) for own in friction], weights=source.material_mass))
     take_contacts(settling, simulation)
     return HandOver(
-        simulation, source, own, np.where(own, assembly.mass, 0.0), rest.surface, rest.diameter, stiffness,
+        simulation, source, own, np.where(own, assembly.mass, 0.0), rest.surface, rest.diameter, stiffness, tangent,
         unbalanced, sunk, shift, _account(source, simulation, rest, elastic_energy(settling)),
     )  # fmt: skip
 

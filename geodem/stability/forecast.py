@@ -54,7 +54,9 @@ class Planned(NamedTuple):
         """Steps times particles that it will take."""
         first = 2.0 * mean_steps(min(self.step, _FAR), self.particles)
         count = halvings_left(2.0 * self.step, self.tolerance)
-        expected = self.particles * (first + halvings(2.0 * self.step, self.tolerance, self.particles))
+        # the second trial is on the other side of the critical factor as often as not
+        after = [halvings(width, self.tolerance, self.particles) for width in (self.step, 2.0 * self.step)]
+        expected = self.particles * (first + 0.5 * sum(after))
         return Work(0.0, expected, max(expected, self.particles * (2 + count) * _limit(self.particles)))
 
 
@@ -176,7 +178,7 @@ def work_left(
         if not isnan(seen):
             # the unbalanced force falls fast at first: what early looks say counts little
             share = current_steps / (current_steps + _TRUSTED)
-            left = share * min(left, seen) + (1.0 - share) * left
+            left = share * seen + (1.0 - share) * left
         steps += left - mean_steps(far, particles)
         most -= current_steps
     expected = particles * max(steps, 0.0)

@@ -1,34 +1,32 @@
 """Long work: the time left that is told while a run of every kind goes on.
 
-The error of a time left is taken over the time of the whole run, and looked at after its first tenth. Kernels were
-compiled before, so that a small run is not a run of the compiler. What is asked of memory and of results on the way is
-in `long_memory`.
+The error of a time left is taken over the time of the whole run, and looked at after its first tenth. Every run is a
+process of its own, from its first import on, as a user's is; a quick one goes before it, so that its kernels are
+compiled. What is asked of memory and of results on the way is in `long_memory`.
 """
 
 from __future__ import annotations
 
+import json
 import math
+import subprocess
+import sys
 import tempfile
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from geodem.particle_recorder import Recorder
-from geodem.run_progress import RunUpdate, Work
-from geodem.workflow import run_case
+from geodem.run_progress import Work
 
-from . import interruptions_scenes as scenes
 from .fuzzing_judge import ROOT
-from .interruptions_particles import falling_block
 from .rows import Row
 
-STEPS = 400_000
-"""Of the recorded run."""
 ERROR = 0.2
 """Largest error of the time left over the time of the whole run, after its first tenth."""
-FINE = 6000
-"""Particles of the slope whose time left is looked at: three models, a minute or so."""
+DRUM = "drum"
+GRAINS, STEPS, FEW = 150, 2_000_000, 2_000
+"""Of the recorded drum, and of the one before it."""
 
 
 class Telling(NamedTuple):
@@ -50,26 +48,76 @@ class Telling(NamedTuple):
     work: Work | None
 
 
+class LongRun(NamedTuple):
+    """A run that takes a minute or so.
+
+    Attributes
+    ----------
+    name : str
+    template : str
+        Of `geodem new`; or `DRUM`.
+    changes : tuple of (old, new)
+        Of the text of its files.
+    """
+
+    name: str
+    template: str
+    changes: tuple[tuple[str, str], ...] = ()
+
+
 def run() -> Sequence[Row]:
     """A run of every kind, one after the other."""
     rows = []
-    for name, tell in RUNS.items():
-        told, whole = tell()
-        rows += time_rows(name, told, whole)
+    for each in RUNS:
+        told, whole = tell(each)
+        rows += time_rows(each.name, told, whole)
     return rows
 
 
-def time_rows(name: str, told: Sequence[Telling], whole: float) -> list[Row]:
-    """Errors of the first time left that was told after the first tenth, and of the worst one."""
-    after = [each for each in told if each.at > 0.1 * whole and math.isfinite(each.left)]
-    errors = [(each.at + each.left - whole) / whole for each in after]
-    first = errors[0] if errors else math.inf
-    last = max(errors, key=abs, default=math.inf)
-    source = f"told {len(after)} times in {whole:.1f} s"
-    rows = [
-        Row(name, "first time left that was told: error over all", first, 0.0, first, ERROR, whole, source),
-        Row(name, "the worst one: error over all", last, 0.0, last, ERROR, whole, source),
+def tell(each: LongRun) -> tuple[list[Telling], float]:
+    """What a run tells, and how long it took [s]."""
+    with tempfile.TemporaryDirectory() as name:
+        case = Path(name) / "case"
+        case.mkdir()
+        if each.template != DRUM:
+            _write(each, case)
+        answer = Path(name) / "told.json"
+        for how in ("quick", "whole"):
+            command = [sys.executable, "-m", __name__, each.template, str(case), how, str(answer)]
+            subprocess.run(command, cwd=ROOT, check=True)
+        content = json.loads(answer.read_text())
+    told = [
+        Telling(at, left, most, None if work is None else Work(*work))
+        for at, left, most, work in content["told"]
     ]
+    return told, content["whole"]
+
+
+def _write(each: LongRun, folder: Path) -> None:
+    """The files of a template, changed; every change is found in one of them."""
+    files = {
+        path.name: path.read_bytes() for path in (ROOT / "geodem" / "templates" / each.template).iterdir()
+    }
+    for old, new in each.changes:
+        holding = [name for name, content in files.items() if old.encode() in content]
+        assert len(holding) == 1, (each.template, old)
+        files[holding[0]] = files[holding[0]].replace(old.encode(), new.encode())
+    for name, content in files.items():
+        (folder / name).write_bytes(content)
+
+
+def time_rows(name: str, told: Sequence[Telling], whole: float) -> list[Row]:
+    """Errors of the first time left that was told after the first tenth, of the middle one, and of the worst one."""
+    after = [each for each in told if each.at > 0.1 * whole and math.isfinite(each.left)]
+    errors = [(each.at + each.left - whole) / whole for each in after] or [math.inf]
+    middle = sorted(errors, key=abs)[len(errors) // 2]
+    source = f"told {len(after)} times in {whole:.1f} s"
+    words = (
+        ("first time left that was told: error over all", errors[0]),
+        ("the middle one: error over all", middle),
+        ("the worst one: error over all", max(errors, key=abs)),
+    )
+    rows = [Row(name, word, error, 0.0, error, ERROR, whole, source) for word, error in words]
     works = [each.work for each in told if each.work is not None]
     if works:
         error = worst_of_work(works)
@@ -92,85 +140,43 @@ def worst_of_work(told: Sequence[Work]) -> float:
     return max(errors, key=abs, default=math.inf)
 
 
-Told = tuple[list[Telling], float]
+RUNS = (
+    LongRun("slope, both methods", "slope", (("particles = 5000", "particles = 16000"),)),
+    LongRun("tunnel, three stages and a factor", "tunnel", (("particles = 4000", "particles = 12000"),)),
+    LongRun("breaking ground, four stages", "breaking", (("particles = 2500", "particles = 7500"),)),
+    LongRun("cutting", "cutting"),
+    LongRun("run-out", "runout", (("discs = 2000", "discs = 4000"),)),
+    LongRun("laboratory, sixteen tests", "laboratory"),
+    LongRun("calibration", "calibration"),
+    LongRun("sweep, twelve slopes", "sweep", (("particles = 1500", "particles = 4000"),)),
+    LongRun("recorded drum of discs", DRUM),
+)
+"""A run of every kind that takes long: what `geodem new` makes, some of it with more particles."""
 
 
-def _told(
-    case: str, *, quickly: bool = False, threads: int = 1, beside: Mapping[str, str] | None = None
-) -> Told:
-    """What a case's run tells, as the command line shows it, and how long it took [s]."""
-    told: list[Telling] = []
-    with tempfile.TemporaryDirectory() as name:
-        for file, text in {"case.toml": case, **(beside or {})}.items():
-            (Path(name) / file).write_text(text)
-        begun = time.perf_counter()
-
-        def watch(update: Any) -> None:
-            left, most = (
-                float(getattr(update, field, math.nan)) for field in ("seconds_left", "seconds_most")
-            )
-            told.append(Telling(time.perf_counter() - begun, left, most, getattr(update, "work", None)))
-
-        run_case(Path(name), Path(name) / "out", threads=threads, quickly=quickly, watch=watch)
-        return told, time.perf_counter() - begun
-
-
-def slope() -> Told:
-    """The search for a slope's factor by both methods, through three models."""
-    text = scenes.SLOPE.replace("particles = 1650", f"particles = {FINE}")
-    return _told(text.replace("tolerance = 0.05", "tolerance = 0.01"))
-
-
-def laboratory() -> Told:
-    """Two kinds of tests, four specimens each, one at a time."""
-    text = scenes.LABORATORY.replace("seeds = 6", "seeds = 4").replace("across = 10", "across = 20")
-    return _told(text + '\n[[test]]\nkind = "uniaxial-compression"\n')
-
-
-def recorded() -> Told:
-    """A recorded run of discs."""
-    told: list[Telling] = []
+def _main() -> None:
+    """Carry out one run: template, folder, "quick" or "whole", and the file for what it told."""
     begun = time.perf_counter()
+    template, folder, how, answer = sys.argv[1:]
+    told: list[tuple[float, float, float, Any]] = []
 
-    def watch(update: RunUpdate) -> None:
-        told.append(
-            Telling(time.perf_counter() - begun, update.seconds_left, update.seconds_most, update.work)
-        )
+    def watch(update: Any) -> None:
+        left, most = (float(getattr(update, name, math.nan)) for name in ("seconds_left", "seconds_most"))
+        told.append((time.perf_counter() - begun, left, most, getattr(update, "work", None)))
 
-    with tempfile.TemporaryDirectory() as name:
-        Recorder(falling_block(), name, show=False, watch=watch).run_to(STEPS)
-    return told, time.perf_counter() - begun
+    if template == DRUM:
+        from geodem.particle_recorder import Recorder
 
+        from .energy_account import drum
 
-def template(kind: str, **changes: str) -> Told:
-    """The case that `geodem new` makes, in its quick form."""
-    text = (ROOT / "geodem" / "templates" / kind / "case.toml").read_text()
-    return _told(text, quickly=True)
+        recorder = Recorder(drum(GRAINS), Path(answer).with_suffix(f".{how}"), show=False, watch=watch)
+        recorder.run_to(STEPS if how == "whole" else FEW)
+    else:
+        from geodem.workflow import run_case
 
-
-def sweep() -> Told:
-    """Six small slopes, two at a time."""
-    case = """\
-workflow = "sweep"
-title = "Cohesion of a small slope"
-case = "slope.toml"
-processes = 2
-
-[vary]
-"material.soil.cohesion" = {from = "8 kPa", to = "18 kPa", count = 6}
-"""
-    return _told(case, threads=2, beside={"slope.toml": scenes.SLOPE})
+        run_case(Path(folder), Path(answer).with_suffix(f".{how}"), quickly=how == "quick", watch=watch)
+    Path(answer).write_text(json.dumps({"whole": time.perf_counter() - begun, "told": told}))
 
 
-RUNS: dict[str, Callable[[], Told]] = {
-    "slope, both methods, three models": slope,
-    "laboratory, eight tests": laboratory,
-    "recorded discs": recorded,
-    "breaking ground, four stages": lambda: template("breaking"),
-    "cutting": lambda: template("cutting"),
-    "tunnel, three stages and a factor": lambda: template("tunnel"),
-    "run-out": lambda: template("runout"),
-    "sweep, six runs": sweep,
-    "calibration": lambda: template("calibration"),
-}
-"""Small runs of every kind that takes long."""
+if __name__ == "__main__":
+    _main()

@@ -40,4 +40,4 @@ def test_steps_left_of_a_recorded_tunnel_are_within_a_fifth():
     left = [steps_left(RECORDED[:k], len(RECORDED), 1500) for k in range(len(RECORDED) + 1)]
     assert forecast_error([Work(*both) for both in zip(done, left, strict=True)], after=0.0) < 0.2
     assert left[-1] == 0.0
-    assert steps_left([], 10, 1500) == pytest.approx(10 * 5.0 * 1500**0.5 * 1.6)
+    assert steps_left([], 10, 1500) == pytest.approx(10 * 5.0 * 1500**0.5 * 1.55)
