@@ -94,6 +94,20 @@ def threads_allowed() -> int:
     return int(_numba_settings().NUMBA_NUM_THREADS) if _threads is None else _threads
 
 
+@contextmanager
+def alone() -> Iterator[None]:
+    """Kernels use one thread within: for so little that several would only wait for each other."""
+    import numba
+
+    _choose_layer()
+    before = numba.get_num_threads()
+    numba.set_num_threads(1)
+    try:
+        yield
+    finally:
+        numba.set_num_threads(before)
+
+
 class ThreadPilot:
     """Chooses, batch by batch, between all threads and one.
 

@@ -52,7 +52,7 @@ QUICK_PACE = 0.5
 TRIAL = (("direct-tension", 0.0), ("uniaxial-compression", 0.0), ("triaxial-compression", 1.0))
 """Tests of a specimen that is tried, and their confinement over that up to which the friction angle is asked for."""
 
-TRIAL_SHARE = 0.6
+TRIAL_SHARE = 0.46
 """Time of a trial over that of the same tests in the laboratory: no pilots, and ended soon after the peak."""
 
 WRITTEN = (

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping
+from contextlib import nullcontext
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -15,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._jit import ThreadPilot, add_compile_seconds
+from ._jit import ThreadPilot, add_compile_seconds, alone
 from .assembly import Assembly
 from .boundaries.wall_pairs import WallPairs, check_servo_contact, find_wall_pairs
 from .boundaries.wall_table import wall_table
@@ -344,6 +345,10 @@ class ParticleSimulation(ParticleReading):
         """Make the pair list anew where what moved since it was made may have come near what it does not name."""
         if self.moved + self.carried <= self.buffer:
             return
+        with nullcontext() if self.parallel else alone():
+            self._keep_listed()
+
+    def _keep_listed(self) -> None:
         # the bound counts every swing; what counts is where the particles are
         reference = self.reference if self.cell is None else self.cell.carried_along(self.reference)
         self.moved = 2.0 * max_displacement(self.now, reference)
@@ -469,7 +474,7 @@ class ParticleSimulation(ParticleReading):
         its forces act; the time step where they are left out.
         """
         self.keep_listed()
-        known = len(kernel.advance.signatures)
+        known = len(kernel.advance.overloads)
         threads, most = self._pilot.choose() if self.parallel else (1, steps)
         given = (
             min(steps, most),
@@ -485,7 +490,7 @@ class ParticleSimulation(ParticleReading):
         start = time.perf_counter()
         done, moved, carried, damping = kernel.advance(threads, *self._arguments(*given, old_force))
         seconds = time.perf_counter() - start
-        if len(kernel.advance.signatures) > known:
+        if len(kernel.advance.overloads) > known:
             add_compile_seconds(seconds)
         elif self.parallel:
             self._pilot.learn(seconds / done)

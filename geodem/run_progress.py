@@ -64,12 +64,18 @@ class RunUpdate(NamedTuple):
     work: Work | None = None
 
 
-LEAST = 0.01
+LEAST = 0.02
 """Share of the work that has to be done before its pace is trusted: the first steps fill caches."""
+
+SURE = 0.1
+"""Share of the work over which a pace is taken at least, once so much is done: parts of a run differ."""
+
+MARKS = 0.01
+"""Share of the work between two moments that a pace is taken from."""
 
 
 class Pace:
-    """How long work takes: as long as the latter half of what was done took, compiling left out.
+    """How long work takes: as long as the latter half of what was done took, or all while that is little; no compiling.
 
     Steps become slower as ground breaks and flows, or as others use the machine: what was long ago says little.
 
@@ -103,10 +109,12 @@ class Pace:
             return math.nan, math.nan
         first = self._marks[0][0]
         done = work.done - first
-        if done <= LEAST * (done + work.left):
+        whole = done + work.left
+        if done <= LEAST * whole:
             return math.nan, math.nan
-        since, at = next(mark for mark in reversed(self._marks) if mark[0] <= first + 0.5 * done)
-        if work.done >= self._marks[-1][0] + LEAST * (done + work.left):
+        latter = max(done - max(0.5 * done, SURE * whole), 0.0)
+        since, at = next(mark for mark in reversed(self._marks) if mark[0] <= first + latter)
+        if work.done >= self._marks[-1][0] + MARKS * whole:
             self._marks.append((work.done, now))
         each = (now - at) / (work.done - since)
         return each * work.left + self._closing, each * work.most + self._closing

@@ -217,7 +217,7 @@ class Simulation:
             A force or displacement is no longer finite; `last_good` is the state of up to `KEEP` steps before.
         """
         model, state = self.model, self.state
-        known = len(self._kernel.relax.signatures)
+        known = len(self._kernel.relax.overloads)
         self._pilot.choose()
         start = time.perf_counter()
         state.damping, unbalanced, damped = self._kernel.relax(
@@ -228,7 +228,7 @@ class Simulation:
             *self.links.gradient, self.links.table, *self.links.particle_gradient, state.support, self._pushed,
         )  # fmt: skip
         seconds = time.perf_counter() - start
-        if len(self._kernel.relax.signatures) > known:
+        if len(self._kernel.relax.overloads) > known:
             add_compile_seconds(seconds)
         else:
             self._pilot.learn(seconds / steps)

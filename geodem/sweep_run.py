@@ -22,6 +22,9 @@ from .sweep_result import assemble, write_table
 WRITTEN = ("sweep.csv", "figures/*.png")
 """What a sweep writes beside the files of every run, and beside its runs."""
 
+FIRST_SECONDS = 2.5
+"""What the first run of a process takes longer than those after it, about: libraries and kernels are loaded [s]."""
+
 Watch = Callable[[RunUpdate], None]
 
 
@@ -257,7 +260,8 @@ class _Course:
 def seconds_left(done: Sequence[float], running: Sequence[UnderWay], waiting: int, processes: int) -> float:
     """Until all runs of a sweep are done, so many at a time [s]; NaN while no run has told anything.
 
-    Runs that wait take as long as those that are done, and those under way as long as they tell, do in the mean.
+    Runs that wait take as long as those that are done, and those under way as long as they tell, do in the mean. While
+    none is done all are the first of their process, which takes longer.
 
     Parameters
     ----------
@@ -272,8 +276,9 @@ def seconds_left(done: Sequence[float], running: Sequence[UnderWay], waiting: in
     if not known:
         return math.nan
     mean = sum(known) / len(known)
+    later = mean if done else max(mean - FIRST_SECONDS, 0.5 * mean)
     own = [max(mean - run.seconds, 0.0) if math.isnan(run.left) else run.left for run in running]
-    return max([(mean * waiting + sum(own)) / processes, *own])
+    return max([(later * waiting + sum(own)) / processes, *own])
 
 
 def _refuse_changed(case: SweepCase, records: dict[int, RunRecord], out: Path, overwrite: bool) -> None:

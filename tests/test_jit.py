@@ -245,3 +245,11 @@ def test_threads_are_those_of_openmp_even_where_their_number_is_chosen_first(tmp
     text = "import numba; from geodem._jit import set_threads; set_threads(1); print(numba.threading_layer())"
     done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["omp"]
+
+
+def test_alone_is_one_thread_and_gives_the_others_back():
+    before = numba.get_num_threads()
+    with pytest.raises(ZeroDivisionError), _jit.alone():
+        assert numba.get_num_threads() == 1
+        raise ZeroDivisionError
+    assert numba.get_num_threads() == before

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numba
 import numpy as np
 import pytest
 
@@ -13,6 +14,7 @@ from geodem.boundaries.walls import box, plane
 from geodem.builders.assembly_builder import AssemblyBuilder
 from geodem.builders.packings import lattice
 from geodem.errors import InputError
+from geodem.neighbors import rebuild
 from geodem.particle_simulation import ParticleSimulation
 
 CONTACT = {"normal_stiffness": 1e5, "shear_stiffness": 5e4, "friction_coefficient": 0.5}
@@ -227,3 +229,23 @@ def test_a_servo_that_nothing_is_near_to_is_refused(monkeypatch):
     monkeypatch.setattr("geodem.particle_simulation.first_order", None)
     with pytest.raises(InputError, match=r"wall 'lid', servo.*no particle is within"):
         ParticleSimulation(builder.build())
+
+
+def test_little_is_searched_by_one_thread(monkeypatch):
+    """As the steps of so few are done: the others would wait for each other longer than the search takes."""
+    used = []
+
+    def seen(*given, **more):
+        used.append(numba.get_num_threads())
+        return rebuild(*given, **more)
+
+    for side, alone in ((12, True), (24, False)):
+        simulation = ParticleSimulation(cloud(2, side))
+        with monkeypatch.context() as patch:
+            patch.setattr("geodem.particle_simulation.rebuild", seen)
+            used.clear()
+            simulation.run(400)
+        assert used
+        assert simulation.parallel is not alone
+        if alone:
+            assert set(used) == {1}

@@ -52,6 +52,16 @@ def test_the_pace_is_that_of_the_latter_half(clock):
     assert left == pytest.approx(3.0 * 80.0)
 
 
+def test_little_is_taken_whole(clock):
+    """Half of four units is too little to tell of a hundred."""
+    pace = Pace(lambda: 0.0, done=-1.0)
+    pace.left(Work(0.0, 100.0))
+    for done in range(1, 5):
+        clock[0] += 1.0 if done <= 2 else 3.0
+        left, _ = pace.left(Work(done, 100.0 - done))
+    assert left == pytest.approx(2.0 * 96.0)
+
+
 def test_parts_of_a_run_are_added():
     assert together([Work(1.0, 2.0), Work(3.0, 4.0, 9.0)]) == Work(4.0, 6.0, 11.0)
     assert math.isnan(together([Work(1.0, 2.0), Work(3.0, 4.0)]).most)

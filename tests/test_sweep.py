@@ -23,7 +23,7 @@ from geodem.errors import InputError
 from geodem.plotting.sweep_report import make_charts
 from geodem.sweep_hands import Ended, UnderWay, do_runs
 from geodem.sweep_record import carry_out, find_record
-from geodem.sweep_run import seconds_left, share_of, shares
+from geodem.sweep_run import FIRST_SECONDS, seconds_left, share_of, shares
 from tests.ground_files import GROUND, ground_case
 from tests.small_cases import SLOPE, environment, geodem, result_of
 
@@ -354,3 +354,7 @@ def test_the_time_left_of_a_sweep_is_told_by_runs_done_and_under_way():
     # one that tells nothing takes as long as the mean
     assert seconds_left([10.0], [UnderWay(4.0, math.nan)], 0, 2) == pytest.approx(6.0)
     assert seconds_left([10.0], [], 0, 2) == 0.0
+    # the first of a process says too much of those that follow
+    first = [UnderWay(8.0, 4.0)]
+    assert seconds_left([], first, 3, 1) == pytest.approx(3 * (12.0 - FIRST_SECONDS) + 4.0)
+    assert seconds_left([], [UnderWay(0.5, 0.5)], 3, 1) == pytest.approx(3 * 0.5 + 0.5)

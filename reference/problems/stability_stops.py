@@ -24,11 +24,10 @@ def _disc(**more: tuple[float, ...]) -> AssemblyBuilder:
     return build
 
 
-def little() -> list[Trial]:
+def little(steps: int = 100_000) -> list[Trial]:
     """No gravity, a single particle, none, all held, a servo that loses its specimen."""
     clock, found = Clock(), []
     simulation = ParticleSimulation(_disc(velocity=(1.0, 2.0), spin=(3.0,)).build())
-    steps = 100_000
     simulation.run(steps)
     # the first velocity is half a step after the start, as far as free flight can tell
     way = np.hypot(*(simulation.positions[0] - (0.3, -0.7))) / (math.hypot(1.0, 2.0) * simulation.time)
@@ -116,7 +115,7 @@ def _message(
     return stopped.message
 
 
-def stops() -> list[Trial]:
+def stops(pulls: tuple[float, ...] = (9.81, 1e6)) -> list[Trial]:
     """Numbers that are none, steps that are forced, particles that leave."""
     clock, found = Clock(), []
     bonded = shaken_lattice("effective_modulus", "rock", 2, "hexagonal")
@@ -150,8 +149,8 @@ def stops() -> list[Trial]:
         refused("a load of 1e8 to 1e300 N on a grain of 0.8 kg", "stopped", messages, wanted, clock.read())
     )
     messages = []
-    for gravity in ((0.0, -9.81), (0.0, -1e6)):
-        messages.append(_message(_disc(gravity=gravity).build(), 10_000_000))
+    for pull in pulls:
+        messages.append(_message(_disc(gravity=(0.0, -pull)).build(), 10_000_000))
     found.append(
         refused("a grain that falls and is never stopped", "stopped", messages, wanted, clock.read())
     )
