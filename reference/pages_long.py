@@ -16,10 +16,12 @@ def long_sections(read: Callable[[str], Any], header: Callable[[Any], str], not_
     parts = [
         "## Long work\n",
         "### The time left that is told\n",
-        "A small run of every kind tells how long it still takes. The error of a time left, or of the work left, is "
-        "taken over that of the whole run, and looked at once a tenth of it has passed. Where nobody can know, as in a "
-        "search whose trials may go on, a time that it takes at most is told as well. Kernels were compiled before; "
-        "while one is compiled a run says so, with the time that takes. How it is made: "
+        "A run of every kind, in a process of its own, tells how long it still takes. The error of a time left, or of "
+        "the work left, is taken over that of the whole run, and looked at once a tenth of it has passed. Where nobody "
+        "can know, as in a search whose trials may go on, a time that it takes at most is told as well: a few trials "
+        "near to the critical factor take a large part of all the time, and which these are shows when they have gone "
+        "on for a while. Kernels were compiled before; while one is compiled a run says so, with the time that takes. "
+        "How it is made: "
         "[stop and resume](how-to/resume-and-interrupt.md#how-long-it-still-takes).\n",
     ]
     parts += _table(read(WORK), WORK, header, not_run)

@@ -32,3 +32,13 @@ def test_what_is_no_number_is_never_within_a_limit():
     assert at_most("a", "b", 0.5, 1.0, 0.0).good
     assert not at_most("a", "b", 1.1, 1.0, 0.0).good
     assert not at_most("a", "b", float("nan"), 1.0, 0.0).good
+
+
+def test_a_group_may_be_asked_for_as_a_benchmark(monkeypatch, tmp_path):
+    from reference.__main__ import main
+
+    rows = [relative("case", "figure", 1.0, 1.0, 0.01, 0.1)]
+    monkeypatch.setattr(results_file, "FOLDER", tmp_path)
+    monkeypatch.setitem(run_command.PROBLEMS, "stability", SimpleNamespace(run=lambda: rows))
+    assert main(["bench", "stability"]) == 0
+    assert (tmp_path / "stability.json").is_file()
