@@ -51,7 +51,7 @@ for gravity increase; and its first step."""
 
 CHECKPOINT_SECONDS = 5.0
 
-FILLING = 3.0
+FILLING = 2.0
 """Time of placing the particles of a model that is still to come over that of the first one, which is not graded."""
 
 

@@ -44,7 +44,7 @@ CLOSING = 1.5
 """Time of pictures and report, about [s]."""
 FLOW_STEPS = 1500.0
 """Steps of a flow over the root of the number of discs."""
-FLOW_WORK = 5.0, 2500.0
+FLOW_WORK = 7.0, 3500.0
 """Of a step of a flow: steps times particles of a search that take as long, for each disc and besides."""
 HAND_OVER = 0.2
 """Time of handing over to discs over that of the flow."""

@@ -36,8 +36,8 @@ WRITTEN = (FRAMES, "figures/*.png")
 KEEP_SECONDS = 5.0
 """Wall time between two checkpoints within a stage."""
 
-CLOSING = 3.0
-"""Time of pictures and report, about [s]."""
+CLOSING = 8e-4
+"""Time of frames, pictures and report for each particle, about [s]."""
 
 Watch = Callable[[RunUpdate], None]
 
@@ -70,7 +70,7 @@ class TunnelRun:
         self.records: dict[str, MethodRecord] = {}
         self._begun: dict[str, Digging] = {}  # "stages", "reaction"
         self._searches: dict[str, Search] = {}
-        self._pace = Pace(compile_seconds, closing=CLOSING)
+        self._pace = Pace(compile_seconds, closing=CLOSING * ground.model.particles)
         self._paced = False
 
     def work(self) -> None:

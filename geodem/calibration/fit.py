@@ -59,8 +59,8 @@ class Progress:
     seconds : float
         So far.
     seconds_left, seconds_most : float
-        Between the end after the next round that may be the last one and after the last, and at most; nan while no
-        specimen is done.
+        Between the end after the next round that may be the last one and after the last; and after the last, if what is
+        to come takes as long as the longest specimen did. nan while no specimen is done.
     text : str
     """
 
@@ -304,17 +304,21 @@ def _progress(
     """Where a calibration is; of specimens that are under way: for how long [s]."""
     most, done = rounds * specimens, len(spent)
     mean = sum(spent) / done if spent else math.nan
+    # the first that end are the quickest: what is under way for longer than they took counts as well
+    longer = [seconds for seconds in running if seconds > mean]
+    if longer:
+        mean = (sum(spent) + sum(longer)) / (done + len(longer))
+    longest = max([*spent, *longer], default=math.nan)
     gone = sum(min(seconds, mean) for seconds in running)
 
-    def left(last: int) -> float:
-        return (max((last * specimens - done + after) * mean - gone, 0.0)) / workers
+    def left(last: int, each: float) -> float:
+        return (max((last * specimens - done + after) * each - gone, 0.0)) / workers
 
     text = f"round {number} of at most {rounds}, {done} of at most {most} specimens tested"
     # the second round is the first that may be the last
-    soonest, latest = left(min(max(number, 2), rounds)), left(rounds)
-    return Progress(
-        number, rounds, done, most, time.perf_counter() - begun, 0.5 * (soonest + latest), latest, text
-    )
+    expected = 0.5 * (left(min(max(number, 2), rounds), mean) + left(rounds, mean))
+    at_most = left(rounds, longest)
+    return Progress(number, rounds, done, most, time.perf_counter() - begun, expected, at_most, text)
 
 
 def _measured(tested: Round) -> Measured:

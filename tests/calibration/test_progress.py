@@ -25,9 +25,10 @@ def test_two_rounds_at_least_and_three_at_most_and_what_shows_the_bonds():
     # 10 s a specimen, three of them for what follows
     found = told(1, [9.0, 11.0])
     assert found.seconds_left == pytest.approx((10 - 2 + 3) * 10.0)
-    assert found.seconds_most == pytest.approx((12 - 2 + 3) * 10.0)
-    # what is under way counts, up to the mean
-    assert told(1, [10.0], running=[4.0, 40.0]).seconds_left == pytest.approx((10 - 1 + 3) * 10.0 - 14.0)
+    assert found.seconds_most == pytest.approx((12 - 2 + 3) * 11.0), "as long as the longest"
+    # what is under way counts, up to the mean; and to the mean once it has taken longer
+    assert told(1, [10.0], running=[4.0, 8.0]).seconds_left == pytest.approx((10 - 1 + 3) * 10.0 - 12.0)
+    assert told(1, [10.0], running=[4.0, 40.0]).seconds_left == pytest.approx((10 - 1 + 3) * 25.0 - 29.0)
     assert told(1, [10.0, 10.0], workers=2).seconds_left == pytest.approx(55.0)
     last = told(3, [10.0] * 10)
     assert last.seconds_left == last.seconds_most == pytest.approx(50.0)
