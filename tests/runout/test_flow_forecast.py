@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from geodem.runout.flow import AT_REST, LOOK, LONGEST, RESTS, SLOWER, Flow, Look
+from geodem.runout.flow import AT_REST, LONGEST, LOOK, RESTS, SLOWER, Flow, Look
 from geodem.runout.friction import disc_friction, friction_tangent
 
 STEP = 1e-3
