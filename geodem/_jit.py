@@ -16,6 +16,8 @@ import importlib
 import importlib.util
 import inspect
 import os
+import pickle
+import subprocess
 import sys
 import tempfile
 import textwrap
@@ -283,6 +285,57 @@ def compile_kernel(
         spec.loader.exec_module(module)
     add_compile_seconds(time.perf_counter() - start)
     return module
+
+
+_ELSEWHERE = """
+import gc, importlib.util, pickle, signal, sys
+gc.disable()
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+name, path, function = sys.argv[1:]
+spec = importlib.util.spec_from_file_location(name, path)
+sys.modules[name] = module = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(module)
+getattr(module, function).compile(pickle.load(sys.stdin.buffer))
+"""
+
+
+def run_from_cache(module: ModuleType, name: str, arguments: Sequence[Any]) -> None:
+    """Make ready a parallel function of a kernel as the cache holds it: what is not there is compiled elsewhere.
+
+    Machine code that a process has just made is not that of the cache: numba optimises a parallel loop by itself, and
+    once more within its caller. The process that compiles runs the former, all others the latter, where sums may come
+    out in another order. So that the same input gives the same bits in every process, one that is there for nothing
+    else compiles.
+
+    Parameters
+    ----------
+    module : module
+        Of `compile_kernel`.
+    name : str
+        Of its function.
+    arguments : sequence
+        What it is about to be called with.
+    """
+    function = getattr(module, name)
+    if function.overloads:
+        return
+    signature = tuple(map(function.typeof_pyval, arguments))
+    if not _is_cached(function, signature):
+        _tell_of(function)
+        command = [sys.executable, "-P", "-c", _ELSEWHERE, module.__name__, str(module.__file__), name]
+        # where that is not possible it is compiled here
+        with contextlib.suppress(OSError):
+            subprocess.run(command, input=pickle.dumps(signature), capture_output=True, check=False)
+    function.compile(signature)
+
+
+def _is_cached(function: Any, signature: tuple[Any, ...]) -> bool:
+    """Whether the cache holds the machine code; also where numba does not say."""
+    try:
+        store = function._cache
+        return store._index_key(signature, function.targetctx.codegen()) in store._cache_file._load_index()
+    except AttributeError:
+        return True
 
 
 _told: Callable[[float], None] | None = None

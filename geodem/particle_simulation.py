@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._jit import ThreadPilot, add_compile_seconds, alone
+from ._jit import ThreadPilot, add_compile_seconds, alone, run_from_cache
 from .assembly import Assembly
 from .boundaries.wall_pairs import WallPairs, check_servo_contact, find_wall_pairs
 from .boundaries.wall_table import wall_table
@@ -487,8 +487,11 @@ class ParticleSimulation(ParticleReading):
             global_damping,
             damping_ratio,
         )
+        arguments = (threads, *self._arguments(*given, old_force))
         start = time.perf_counter()
-        done, moved, carried, damping = kernel.advance(threads, *self._arguments(*given, old_force))
+        if self.parallel:
+            run_from_cache(kernel, "advance", arguments)
+        done, moved, carried, damping = kernel.advance(*arguments)
         seconds = time.perf_counter() - start
         if len(kernel.advance.overloads) > known:
             add_compile_seconds(seconds)

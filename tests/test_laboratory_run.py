@@ -18,9 +18,17 @@ from geodem.case import load_any
 from geodem.errors import InputError, StoppedError
 from geodem.io.history import read_history
 from geodem.laboratory import orders as orders_module
+from geodem.laboratory.files import write_tests
 from geodem.laboratory.orders import TestOrder, Told, find_test
 from geodem.laboratory.workers import Forecast, Overview, Workers
-from geodem.laboratory_run import orders_of, quick, redraw_laboratory, resume_laboratory, run_laboratory
+from geodem.laboratory_run import (
+    _finished,
+    orders_of,
+    quick,
+    redraw_laboratory,
+    resume_laboratory,
+    run_laboratory,
+)
 from tests.laboratory_cases import LABORATORY, TENSION, write_case
 from tests.small_cases import result_of
 
@@ -162,6 +170,19 @@ def test_progress_tells_what_is_done_and_left(seen, out):
     assert all(overview.seconds_left > 0.0 for overview in seen if 0 < overview.finished < 6)
     assert seen[-1].seconds_left == 0.0
     assert max(len(overview.running) for overview in seen) == 2
+
+
+def test_frames_of_a_stopped_run_do_not_stay(place, out, tmp_path):
+    """With fewer tests another one is the typical one of its kind."""
+    tests = _finished(orders_of(quick(load_any(place)), True), out)
+    whole = {path.name for path in out.glob("*.vtkhdf")}
+    begun = set()
+    for test in tests:
+        write_tests(tmp_path, [test])
+        begun |= {path.name for path in tmp_path.glob("*.vtkhdf")}
+    assert begun > whole
+    write_tests(tmp_path, tests)
+    assert {path.name for path in tmp_path.glob("*.vtkhdf")} == whole
 
 
 def test_what_is_done_is_not_done_again(place, out, result):

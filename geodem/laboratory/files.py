@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..io.files import remove
 from ..io.history import write_history
 from ..io.vtkhdf import write_vtkhdf
 from .orders import FinishedTest
@@ -30,6 +31,10 @@ HISTORY_COLUMNS = (
 )
 
 
+FRAMES = ("particles", "cracks")
+"""Names of the files of a test that is drawn begin so."""
+
+
 def write_tests(folder: Path, tests: Sequence[FinishedTest]) -> None:
     """curves/NAME.csv of all; particles-NAME.vtkhdf and cracks-NAME.vtkhdf of the typical one of every kind and stress.
 
@@ -44,8 +49,15 @@ def write_tests(folder: Path, tests: Sequence[FinishedTest]) -> None:
         write_history(
             folder / "curves" / f"{test.order.name}.csv", columns, zip(*curves.values(), strict=True)
         )
-    for group in group_tests(tests):
-        _write_frames(folder, group.typical)
+    typical = [group.typical for group in group_tests(tests)]
+    wanted = {f"{what}-{test.order.name}.vtkhdf" for test in typical for what in FRAMES}
+    for what in FRAMES:
+        for path in folder.glob(f"{what}-*.vtkhdf"):
+            if path.name not in wanted:
+                # of a run that was stopped, where another test was the typical one
+                remove(path)
+    for test in typical:
+        _write_frames(folder, test)
 
 
 def history_line(test: FinishedTest) -> tuple[object, ...]:
