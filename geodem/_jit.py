@@ -320,7 +320,7 @@ def run_from_cache(module: ModuleType, name: str, arguments: Sequence[Any]) -> N
     if function.overloads:
         return
     signature = tuple(map(function.typeof_pyval, arguments))
-    if not _is_cached(function, signature):
+    if sys.executable and not _is_cached(function, signature):
         _tell_of(function)
         command = [sys.executable, "-P", "-c", _ELSEWHERE, module.__name__, str(module.__file__), name]
         # where that is not possible it is compiled here

@@ -91,7 +91,10 @@ def _press(scene: Scene, folder: Path, out: Path, after: float, twice: bool, pro
         end_all(running.mark)
         return 0
     status = running.process.returncode
-    if status == -signal.SIGINT and held(out).get("result.json", "").startswith("done"):
+    now = held(out)
+    if status == -signal.SIGINT and (
+        now.get("result.json", "").startswith("done") or now == held(folder / "whole")
+    ):
         status = 0  # the program was about to end
     if left := left_behind(running.mark, 1.0):
         problems.append(f"Ctrl-C after {after:.1f} s leaves {len(left)} processes behind")
