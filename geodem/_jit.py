@@ -323,7 +323,7 @@ def run_from_cache(module: ModuleType, name: str, arguments: Sequence[Any]) -> N
     if sys.executable and not _is_cached(function, signature):
         _tell_of(function)
         command = [sys.executable, "-P", "-c", _ELSEWHERE, module.__name__, str(module.__file__), name]
-        # where that is not possible it is compiled here
+        # where that is not possible it is compiled here, and the bits are those of the process that compiles
         with contextlib.suppress(OSError):
             subprocess.run(command, input=pickle.dumps(signature), capture_output=True, check=False)
     function.compile(signature)

@@ -112,7 +112,7 @@ class Pace:
         whole = done + work.left
         if done <= LEAST * whole:
             return math.nan, math.nan
-        latter = max(done - max(0.5 * done, SURE * whole), 0.0)
+        latter = min(0.5 * done, max(done - SURE * whole, 0.0))
         since, at = next(mark for mark in reversed(self._marks) if mark[0] <= first + latter)
         if work.done >= self._marks[-1][0] + MARKS * whole:
             self._marks.append((work.done, now))

@@ -77,11 +77,7 @@ def run_slope(
             value=str(out),
         )  # fmt: skip
     if standing == "same" and not overwrite:
-        return _go_on(
-            Analysis.from_checkpoint(case, out, watch=watch, stop_asked=stop_asked, closing=CLOSING),
-            out,
-            command,
-        )
+        return _taken_up(case, out, watch, stop_asked, command)
     analysis = Analysis(case, out, watch=watch, stop_asked=stop_asked, closing=CLOSING)
     analysis.build()
     _make_folder(out)
@@ -111,8 +107,7 @@ def resume_slope(
         Stopped again.
     """
     set_threads(threads)
-    analysis = Analysis.from_checkpoint(case, folder, watch=watch, stop_asked=stop_asked, closing=CLOSING)
-    return _go_on(analysis, folder, command)
+    return _taken_up(case, folder, watch, stop_asked, command)
 
 
 def redraw_slope(folder: Path, case: Case) -> Path:
@@ -162,7 +157,15 @@ def limit_equilibrium(case_file: Path) -> dict[str, Any]:
     return dict(answer)
 
 
-def _go_on(analysis: Analysis, folder: Path, command: str) -> dict[str, Any]:
+def _taken_up(
+    case: Case,
+    folder: Path,
+    watch: Callable[[Update], None] | None,
+    stop_asked: Callable[[], bool] | None,
+    command: str,
+) -> dict[str, Any]:
+    """What a folder's checkpoint holds, gone on with to its end."""
+    analysis = Analysis.from_checkpoint(case, folder, watch=watch, stop_asked=stop_asked, closing=CLOSING)
     remove_unfinished(folder)
     stored = read_json(folder / "result.json")
     if analysis.done() and stored is not None and stored.get("status") == "done":

@@ -42,24 +42,22 @@ def test_nothing_is_told_while_little_is_done(clock):
     assert pace.left(Work(2.0 * LEAST, 1.0))[0] == pytest.approx(10.0 / (2.0 * LEAST))
 
 
-def test_the_pace_is_that_of_the_latter_half(clock):
+@pytest.mark.parametrize(
+    ("units", "each"),
+    [
+        # the latter half of a fifth of the work; half of four units is too little to tell of a hundred
+        pytest.param(20, 3.0, id="latter half"),
+        pytest.param(4, 2.0, id="all of little"),
+    ],
+)
+def test_the_pace_is_that_of_the_latter_half_or_of_a_tenth(clock, units, each):
     pace = Pace(lambda: 0.0, done=-1.0)
     pace.left(Work(0.0, 100.0))
-    # a second each for the first ten units, three for the next ten
-    for done in range(1, 21):
-        clock[0] += 1.0 if done <= 10 else 3.0
+    # a second each for the first half, three for the other
+    for done in range(1, units + 1):
+        clock[0] += 1.0 if done <= units // 2 else 3.0
         left, _ = pace.left(Work(done, 100.0 - done))
-    assert left == pytest.approx(3.0 * 80.0)
-
-
-def test_little_is_taken_whole(clock):
-    """Half of four units is too little to tell of a hundred."""
-    pace = Pace(lambda: 0.0, done=-1.0)
-    pace.left(Work(0.0, 100.0))
-    for done in range(1, 5):
-        clock[0] += 1.0 if done <= 2 else 3.0
-        left, _ = pace.left(Work(done, 100.0 - done))
-    assert left == pytest.approx(2.0 * 96.0)
+    assert left == pytest.approx(each * (100.0 - units))
 
 
 def test_parts_of_a_run_are_added():

@@ -53,6 +53,9 @@ def disc_friction(friction_angle: float) -> DiscFriction:
 
 
 def friction_tangent(discs: DiscFriction) -> float:
-    """Tangent of the residual friction angle that discs of this friction have: `disc_friction` the other way round."""
+    """Tangent of the residual friction angle [-] that discs of this friction have, by `MEASURED`.
+
+    `disc_friction` the other way round; at the ends of what was measured it is that of the end.
+    """
     sliding, angle = np.array(MEASURED).T
     return math.tan(math.radians(float(np.interp(discs.sliding, sliding, angle))))
